@@ -30,8 +30,8 @@ struct RectifiedCamera {
   Isometry T_body_camera = Isometry::Identity();
 };
 
-/// One answer for every step_px-th pixel of every step_px-th row: grid (row r, column c) belongs to full-size pixel
-/// (u, v) = (c * step_px, r * step_px); disparity is in full-size pixels.
+/// One answer for every step_px-th pixel of every step_px-th row: grid (row r, column c) belongs to
+/// full-size pixel (u, v) = (c * step_px, r * step_px); disparity is in full-size pixels.
 struct DisparityImage {
   Utime utime = 0;
   int step_px = 1;
@@ -46,7 +46,8 @@ struct DisparityImage {
   [[nodiscard]] double disparity_px(int row, int col) const {
     return disparity_16ths(row, col) / 16.0;
   }
-  /// Depth along the optical axis [m]; the pixel must be valid. Inf where disparity + doffs is not positive.
+  /// Depth along the optical axis [m]; the pixel must be valid. Inf where disparity + doffs is not
+  /// positive.
   [[nodiscard]] double depth_m(int row, int col) const;
   /// The point in the rectified left camera's frame [m]; the pixel must be valid.
   [[nodiscard]] Eigen::Vector3d point_camera(int row, int col) const;
