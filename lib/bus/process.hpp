@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "bus/node.hpp"
+#include "core/config.hpp"
+#include "core/result.hpp"
+
+namespace cairn::bus {
+
+/// The processes of the project; a config file has one section for each.
+inline constexpr std::array<std::string_view, 4> kProcesses{"camera", "stereo", "odometry",
+                                                            "mapper"};
+
+/// What `run_process` needs to know of a process: its words, its config, and how it is built on a
+/// node.
+struct ProcessDescription {
+  std::string name;
+  std::string about;
+  VisitConfig visit_config;
+  /// Builds the process on the node; the value's call ends it (saves what it has).
+  std::function<Result<std::function<Result<void>()>>(Node&)> start;
+};
+
+/// Parses the options that every process has, loads its config strictly, runs it until SIGINT,
+/// SIGTERM or its own end. Exit code 0 after a clean end, 2 for bad options or config, 1 for all
+/// else.
+[[nodiscard]] int run_process(int argc, char** argv, ProcessDescription description);
+
+/// `ProcessNode` has: `kName`, `kAbout`, `Config`, `static Result<std::unique_ptr<ProcessNode>>
+/// create(const Config&, Node&)`, and `Result<void> finish()`.
+template <class ProcessNode>
+[[nodiscard]] int run_process(int argc, char** argv) {
+  typename ProcessNode::Config config;
+  return run_process(
+      argc, argv,
+      ProcessDescription{ProcessNode::kName, ProcessNode::kAbout,
+                         [&](ConfigVisitor& visitor) { config.visit(visitor); },
+                         [&](Node& node) -> Result<std::function<Result<void>()>> {
+                           auto created = ProcessNode::create(config, node);
+                           if (!created) return tl::make_unexpected(created.error());
+                           return [process = std::shared_ptr<ProcessNode>(std::move(*created))] {
+                             return process->finish();
+                           };
+                         }});
+}
+
+}  // namespace cairn::bus
