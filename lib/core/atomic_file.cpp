@@ -47,8 +47,8 @@ Result<void> write_file_atomically(const std::filesystem::path& path,
   const FileDescriptor file{::mkstemp(temporary.data())};
   if (file.get() < 0) return fail(path.string() + ": cannot write here: " + reason());
   const mode_t mode = 0644;
-  if (!write_all(file.get(), bytes) || ::fchmod(file.get(), mode) != 0 || ::fsync(file.get()) != 0 ||
-      ::rename(temporary.c_str(), path.c_str()) != 0) {
+  if (!write_all(file.get(), bytes) || ::fchmod(file.get(), mode) != 0 ||
+      ::fsync(file.get()) != 0 || ::rename(temporary.c_str(), path.c_str()) != 0) {
     const std::string why = reason();
     ::unlink(temporary.c_str());
     return fail(path.string() + ": cannot write: " + why);
@@ -58,7 +58,8 @@ Result<void> write_file_atomically(const std::filesystem::path& path,
   return {};
 }
 
-Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::size_t max_bytes) {
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,
+                                            std::size_t max_bytes) {
   const FileDescriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.get() < 0) return fail(path.string() + ": cannot open: " + reason());
   struct stat info {};

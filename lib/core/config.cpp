@@ -194,7 +194,8 @@ class Loader : public ConfigVisitor {
   }
   void end_group() override { close_scope(); }
 
-  void visit_list(const char* key, const char*, std::size_t size, const std::function<void()>& append,
+  void visit_list(const char* key, const char*, std::size_t size,
+                  const std::function<void()>& append,
                   const std::function<void(std::size_t)>& visit_entry) override {
     const YAML::Node node = find(key);
     if (!node) return;
@@ -253,10 +254,10 @@ class Loader : public ConfigVisitor {
 
   void report(const YAML::Node& node, const std::string& message) {
     const int line = node.Mark().line;
-    errors_.push_back(source_name_ + (line >= 0 && source_name_.front() != '-'
-                                          ? ":" + std::to_string(line + 1)
-                                          : "") +
-                      ": " + message);
+    errors_.push_back(
+        source_name_ +
+        (line >= 0 && source_name_.front() != '-' ? ":" + std::to_string(line + 1) : "") + ": " +
+        message);
   }
 
   std::string source_name_;
@@ -298,7 +299,7 @@ Result<YAML::Node> parse_override(const std::string& text) {
     return fail("--set " + text + ": " + problem.msg);
   }
   std::string key = text.substr(0, equals);
-  for (std::size_t dot = key.rfind('.'); ; dot = key.rfind('.')) {
+  for (std::size_t dot = key.rfind('.');; dot = key.rfind('.')) {
     YAML::Node map(YAML::NodeType::Map);
     map[key.substr(dot == std::string::npos ? 0 : dot + 1)] = value;
     value = map;
@@ -317,7 +318,8 @@ class Printer : public ConfigVisitor {
   }
   void integer(const char* key, int& value, int min, int max, const char* unit,
                const char* help) override {
-    line(key, std::to_string(value), std::to_string(min) + " to " + std::to_string(max), unit, help);
+    line(key, std::to_string(value), std::to_string(min) + " to " + std::to_string(max), unit,
+         help);
   }
   void flag(const char* key, bool& value, const char* help) override {
     line(key, value ? "true" : "false", "true, false", "", help);
@@ -366,8 +368,8 @@ class Printer : public ConfigVisitor {
   }
   void line(const char* key, const std::string& value, const std::string& allowed, const char* unit,
             const char* help) {
-    result_ += std::string(static_cast<std::size_t>(2 * depth_), ' ') + key + ": " + value + "  # " +
-               help;
+    result_ +=
+        std::string(static_cast<std::size_t>(2 * depth_), ' ') + key + ": " + value + "  # " + help;
     if (*unit != '\0') result_ += " [" + std::string(unit) + "]";
     if (!allowed.empty()) result_ += " (" + allowed + ")";
     result_ += "\n";

@@ -20,8 +20,9 @@ struct NumberRange {
   double max = std::numeric_limits<double>::max();
 };
 
-/// A config struct names each of its keys once, in `void visit(ConfigVisitor&)`: key, member, range, unit, help. The
-/// member's initialiser is the default, and the only one. Loader, --print-config and the reference page are visitors.
+/// A config struct names each of its keys once, in `void visit(ConfigVisitor&)`: key, member,
+/// range, unit, help. The member's initialiser is the default, and the only one. Loader,
+/// --print-config and the reference page are visitors.
 class ConfigVisitor {
  public:
   virtual ~ConfigVisitor() = default;
@@ -70,10 +71,11 @@ struct ConfigSource {
   std::vector<std::string> overrides;  ///< "key=value", "group.key=value"; win over the file
 };
 
-/// Fills a struct from the map under `section` of a YAML file (an empty section: from the whole file), then from the
-/// overrides. Strict: an unknown or repeated key, a wrong type, a value out of range, a section that is not in
-/// `known_sections` are errors; all are reported, one a line, as "file:line: section.key: what, and what is allowed".
-/// A file that does not name the section leaves the defaults.
+/// Fills a struct from the map under `section` of a YAML file (an empty section: from the whole
+/// file), then from the overrides. Strict: an unknown or repeated key, a wrong type, a value out of
+/// range, a section that is not in `known_sections` are errors; all are reported, one a line, as
+/// "file:line: section.key: what, and what is allowed". A file that does not name the section
+/// leaves the defaults.
 [[nodiscard]] Result<void> load_config(const ConfigSource& source, std::string_view section,
                                        std::span<const std::string_view> known_sections,
                                        const VisitConfig& visit);
@@ -94,7 +96,8 @@ template <class Config>
   return load_config<Config>(ConfigSource{file, {}}, "", {});
 }
 
-/// The effective config as YAML that load_config takes back, each key with its help, unit and range as a comment.
+/// The effective config as YAML that load_config takes back, each key with its help, unit and range
+/// as a comment.
 [[nodiscard]] std::string print_config(std::string_view section, const VisitConfig& visit);
 
 /// The same as rows of a Markdown table: key, default, range, unit, meaning.

@@ -8,8 +8,8 @@ namespace cairn {
 
 Eigen::Matrix3d R_body_camera_forward() {
   Eigen::Matrix3d R;
-  R << 0, 0, 1,   //
-      -1, 0, 0,   //
+  R << 0, 0, 1,  //
+      -1, 0, 0,  //
       0, -1, 0;
   return R;
 }

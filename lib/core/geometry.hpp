@@ -9,8 +9,8 @@ namespace cairn {
 /// Camera frames: x right, y down, z forward [m].
 using Isometry = Eigen::Isometry3d;
 
-/// The rotation that takes camera axes (x right, y down, z forward) into body axes (x forward, y left, z up), for a
-/// camera that looks straight ahead.
+/// The rotation that takes camera axes (x right, y down, z forward) into body axes (x forward, y
+/// left, z up), for a camera that looks straight ahead.
 [[nodiscard]] Eigen::Matrix3d R_body_camera_forward();
 
 /// Rotation Rz(yaw) * Ry(pitch) * Rx(roll), angles in radians.

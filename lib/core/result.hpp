@@ -12,7 +12,8 @@ struct Error {
   std::string message;
 };
 
-/// A value, or the reason why there is none. Bad input is a Result, never an exception across a module's door.
+/// A value, or the reason why there is none. Bad input is a Result, never an exception across a
+/// module's door.
 template <class T>
 using Result = tl::expected<T, Error>;
 

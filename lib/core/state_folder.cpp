@@ -70,8 +70,8 @@ Result<void> StateFolder::save(const std::string& name, std::span<const std::uin
   const int problem = errno;
   ::close(fd);
   if (written != static_cast<ssize_t>(file.size())) {
-    return fail(target.string() + ": cannot write: " +
-                (written < 0 ? std::strerror(problem) : "no room left"));
+    return fail(target.string() +
+                ": cannot write: " + (written < 0 ? std::strerror(problem) : "no room left"));
   }
   return {};
 }

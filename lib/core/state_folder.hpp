@@ -12,12 +12,14 @@
 
 namespace cairn {
 
-/// The restart memory of one process: small checkpoints in the run's state folder, so that a process killed at any
-/// moment goes on where it was. With no folder (an empty path) nothing is kept and nothing is found.
+/// The restart memory of one process: small checkpoints in the run's state folder, so that a
+/// process killed at any moment goes on where it was. With no folder (an empty path) nothing is
+/// kept and nothing is found.
 ///
-/// A checkpoint is written in place, alternating between two slots, each with a sequence number and a checksum; it is
-/// not synced to disk. A killed process loses nothing; after a power cut the last slot that adds up is used. So it is
-/// cheap enough to write once a frame (tens of microseconds) and does not wear out a memory card.
+/// A checkpoint is written in place, alternating between two slots, each with a sequence number and
+/// a checksum; it is not synced to disk. A killed process loses nothing; after a power cut the last
+/// slot that adds up is used. So it is cheap enough to write once a frame (tens of microseconds)
+/// and does not wear out a memory card.
 class StateFolder {
  public:
   StateFolder() = default;
@@ -32,7 +34,8 @@ class StateFolder {
   [[nodiscard]] std::filesystem::path path(const std::string& name) const;
 
   /// Replaces the checkpoint `name`.
-  [[nodiscard]] Result<void> save(const std::string& name, std::span<const std::uint8_t> bytes) const;
+  [[nodiscard]] Result<void> save(const std::string& name,
+                                  std::span<const std::uint8_t> bytes) const;
 
   /// The newest whole checkpoint of this name, or nothing.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> load(const std::string& name) const;

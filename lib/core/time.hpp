@@ -5,11 +5,12 @@
 
 namespace cairn {
 
-/// Data time [us]: the capture time of what a message rests on. Algorithms use nothing else, so that a recording
-/// played back is the same run again.
+/// Data time [us]: the capture time of what a message rests on. Algorithms use nothing else, so
+/// that a recording played back is the same run again.
 using Utime = std::int64_t;
 
-/// Host time [us]: the monotonic clock of this machine, for heartbeats, back-off, latency and dead-man timers.
+/// Host time [us]: the monotonic clock of this machine, for heartbeats, back-off, latency and
+/// dead-man timers.
 using HostTime = std::int64_t;
 
 inline constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;

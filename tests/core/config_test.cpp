@@ -61,7 +61,8 @@ class Config : public ::testing::Test {
 };
 
 TEST_F(Config, TakesWhatTheFileSaysAndKeepsTheOtherDefaults) {
-  const auto loaded = load("mapper:\n  count: 7\n  inner: {speed_mps: 1.5}\n  steps: [{speed_mps: 1}, {}]\n");
+  const auto loaded =
+      load("mapper:\n  count: 7\n  inner: {speed_mps: 1.5}\n  steps: [{speed_mps: 1}, {}]\n");
   ASSERT_TRUE(loaded);
   EXPECT_EQ(loaded->count, 7);
   EXPECT_EQ(loaded->inner.speed_mps, 1.5);
@@ -77,7 +78,8 @@ TEST_F(Config, AMisspeltKeyNamesFileLineAndTheLikelyKey) {
 }
 
 TEST_F(Config, AMisspeltSectionIsNotPassedOver) {
-  EXPECT_EQ(error("maper:\n  count: 7\n"), at(1) + "maper: unknown section (did you mean 'mapper'?)");
+  EXPECT_EQ(error("maper:\n  count: 7\n"),
+            at(1) + "maper: unknown section (did you mean 'mapper'?)");
 }
 
 TEST_F(Config, OutOfRangeSaysTheRangeAndTheUnit) {

@@ -16,14 +16,17 @@ namespace fs = std::filesystem;
 class Files : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("cairn-files-" + std::to_string(::getpid()) + "-" +
-                                           ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ = fs::temp_directory_path() /
+              ("cairn-files-" + std::to_string(::getpid()) + "-" +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  static std::vector<std::uint8_t> bytes(const std::string& text) { return {text.begin(), text.end()}; }
+  static std::vector<std::uint8_t> bytes(const std::string& text) {
+    return {text.begin(), text.end()};
+  }
 
   fs::path folder_;
 };
@@ -63,7 +66,9 @@ TEST_F(Files, ADamagedSlotFallsBackToTheOneBefore) {
   const StateFolder state = StateFolder::open(folder_).value();
   ASSERT_TRUE(state.save("pose", bytes("before")));
   ASSERT_TRUE(state.save("pose", bytes("last")));
-  std::fstream(folder_ / "pose.b", std::ios::in | std::ios::out | std::ios::binary).seekp(24).put('X');
+  std::fstream(folder_ / "pose.b", std::ios::in | std::ios::out | std::ios::binary)
+      .seekp(24)
+      .put('X');
   EXPECT_EQ(state.load("pose").value(), bytes("before"));
 }
 
