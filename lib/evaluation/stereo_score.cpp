@@ -32,7 +32,7 @@ std::optional<std::uint64_t> png_pixels(const std::vector<std::uint8_t>& bytes) 
   return big_endian(16) * big_endian(20);
 }
 
-Result<cv::Mat> read_png(const std::filesystem::path& file, int depth, const char* what) {
+Result<cv::Mat> read_png(const std::filesystem::path& file, cv::ImreadModes mode) {
   const auto bytes = read_file(file, kMaxFileBytes);
   if (!bytes) return tl::make_unexpected(bytes.error());
   const auto pixels = png_pixels(*bytes);
@@ -42,14 +42,11 @@ Result<cv::Mat> read_png(const std::filesystem::path& file, int depth, const cha
   }
   cv::Mat image;
   try {
-    image = cv::imdecode(*bytes, cv::IMREAD_UNCHANGED);
+    image = cv::imdecode(*bytes, mode);
   } catch (const cv::Exception& problem) {
     return fail(file.string() + ": cannot be decoded: " + problem.err);
   }
   if (image.empty()) return fail(file.string() + ": cannot be decoded");
-  if (image.depth() != depth || image.channels() != 1) {
-    return fail(file.string() + ": is not " + what);
-  }
   return image;
 }
 
@@ -141,15 +138,16 @@ Result<void> check_case(const StereoCase& images, bool needs_confidence) {
 }  // namespace
 
 Result<cv::Mat_<float>> read_disparity_png(const std::filesystem::path& file) {
-  const auto raw = read_png(file, CV_16U, "a 16-bit grey image");
+  const auto raw = read_png(file, cv::IMREAD_UNCHANGED);
   if (!raw) return tl::make_unexpected(raw.error());
+  if (raw->type() != CV_16UC1) return fail(file.string() + ": is not a 16-bit grey image");
   cv::Mat_<float> disparity_px;
   raw->convertTo(disparity_px, CV_32F, 1.0 / 256.0);
   return disparity_px;
 }
 
 Result<cv::Mat_<std::uint8_t>> read_mask_png(const std::filesystem::path& file) {
-  const auto raw = read_png(file, CV_8U, "an 8-bit grey image");
+  const auto raw = read_png(file, cv::IMREAD_GRAYSCALE);
   if (!raw) return tl::make_unexpected(raw.error());
   return cv::Mat_<std::uint8_t>(*raw >= kMaskThreshold);
 }

@@ -15,8 +15,8 @@ namespace cairn::evaluation {
 /// pixels are refused.
 [[nodiscard]] Result<cv::Mat_<float>> read_disparity_png(const std::filesystem::path& file);
 
-/// Reads an 8-bit grey PNG: pixels of 250 and more are to be evaluated (255 in the result), others
-/// not (0).
+/// Reads a PNG in grey values: pixels of 250 and more are to be evaluated (255 in the result),
+/// others not (0).
 [[nodiscard]] Result<cv::Mat_<std::uint8_t>> read_mask_png(const std::filesystem::path& file);
 
 /// One matcher's answer to one pair, and what is known of the truth. All images are of one size.
