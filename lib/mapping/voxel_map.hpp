@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry.hpp"
+#include "mapping/brick_grid.hpp"
+#include "mapping/evidence.hpp"
+#include "mapping/grid_index.hpp"
+
+namespace cairn::mapping {
+
+/// Evidence of 512 voxels in the order of index_in_brick, and what the evidence makes of them.
+struct EvidenceBrick {
+  std::array<std::uint8_t, kBrickVoxels> occupied_evidence{};
+  std::array<std::uint8_t, kBrickVoxels> empty_evidence{};
+  VoxelMask known;                   ///< free or occupied
+  VoxelMask occupied;                ///< a part of known
+  std::uint8_t words_with_hits = 0;  ///< bit z: some voxel of layer z has occupied evidence
+  bool dirty = false;                ///< changed since VoxelMap::clear_dirty
+};
+
+struct VoxelState {
+  VoxelClass voxel_class = VoxelClass::kUnknown;
+  std::uint8_t occupied_evidence = 0;
+  std::uint8_t empty_evidence = 0;
+};
+
+/// The world as cubes with separate occupied and empty evidence (Ferrese 2012), in the map frame: x
+/// and y level, z up.
+class VoxelMap {
+ public:
+  using Grid = BrickGrid<EvidenceBrick>;
+
+  /// resolution_m: side of a voxel, positive.
+  explicit VoxelMap(double resolution_m, const EvidenceConfig& config = {});
+
+  [[nodiscard]] double resolution_m() const { return resolution_m_; }
+  [[nodiscard]] const Grid& grid() const { return grid_; }
+
+  /// The voxel around a point [m]; the point must be within kVoxelLimit voxels of the origin.
+  [[nodiscard]] VoxelIndex voxel_at(const Eigen::Vector3d& point_map) const;
+  /// Centre of a voxel in the map frame [m].
+  [[nodiscard]] Eigen::Vector3d centre_of(VoxelIndex voxel) const;
+
+  [[nodiscard]] VoxelState state(VoxelIndex voxel) const;
+  /// Unknown outside the limits, and for a point that is not finite.
+  [[nodiscard]] VoxelState state(const Eigen::Vector3d& point_map) const;
+
+  /// Adds `hit_evidence` to the occupied evidence of `hits`, `miss_evidence` to the empty evidence
+  /// of `misses` that are not hits; both stop at 255. True if the class of a voxel changed.
+  bool add_evidence(BrickIndex brick, const VoxelMask& hits, const VoxelMask& misses,
+                    std::uint8_t hit_evidence, std::uint8_t miss_evidence);
+
+  /// Replaces all evidence of a brick; 512 values each in the order of index_in_brick.
+  void set_evidence(BrickIndex brick, std::span<const std::uint8_t, kBrickVoxels> occupied,
+                    std::span<const std::uint8_t, kBrickVoxels> empty);
+
+  [[nodiscard]] std::size_t brick_count() const { return grid_.brick_count(); }
+  [[nodiscard]] std::size_t tile_count() const { return grid_.tile_count(); }
+  [[nodiscard]] std::size_t known_voxels() const { return known_voxels_; }
+  [[nodiscard]] std::size_t occupied_voxels() const { return occupied_voxels_; }
+  /// Memory held.
+  [[nodiscard]] std::size_t bytes() const;
+
+  /// Bricks whose evidence was touched since clear_dirty, sorted by tile and then by index_in_tile.
+  [[nodiscard]] std::vector<BrickIndex> dirty_bricks() const;
+  void clear_dirty();
+
+ private:
+  void mark_dirty(BrickIndex index, EvidenceBrick& brick);
+  void reclassify(EvidenceBrick& brick, std::size_t word, std::uint64_t voxels) const;
+
+  double resolution_m_;
+  double voxels_per_m_;
+  EvidenceRule rule_;
+  Grid grid_;
+  std::vector<BrickIndex> dirty_;
+  std::size_t known_voxels_ = 0;
+  std::size_t occupied_voxels_ = 0;
+};
+
+}  // namespace cairn::mapping
