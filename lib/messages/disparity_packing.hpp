@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <span>
+
+#include "core/result.hpp"
+#include "messages/streams.hpp"
+
+namespace cairn::messages {
+
+/// A grid of disparities (0 = no answer) and of 2-bit codes, of equal size.
+struct DisparityGrid {
+  cv::Mat_<std::uint16_t> disparity_16ths;
+  cv::Mat_<std::uint8_t> code;
+};
+
+/// Sides and number of grid points are at most these.
+inline constexpr int kMaxGridSide = 4096;
+inline constexpr int kMaxGridPoints = 1 << 22;
+
+/// Packs without loss. Validity and code are one symbol of three bits; a pair of symbols equal to
+/// the pair above costs one bit, others are sorted by their left neighbour. A disparity is
+/// predicted from its left, upper and upper left neighbours (median of Martucci 1990, as in LOCO-I,
+/// Weinberger et al. 2000) and the error sorted by how much they differ. Each sort is a zstd stream
+/// of its own. Refuses a code over 3 and sizes beyond the limits.
+[[nodiscard]] Result<Bytes> pack(const DisparityGrid& grid);
+
+/// Refuses bytes that pack cannot have written and a grid that is not rows x columns.
+[[nodiscard]] Result<DisparityGrid> unpack(std::span<const std::uint8_t> packed, int rows,
+                                           int columns);
+
+}  // namespace cairn::messages
