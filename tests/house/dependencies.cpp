@@ -29,7 +29,8 @@ std::string name_in_include(const std::string& line) {
 
 std::string target_of(const SourceTree& tree, const std::string& from, const std::string& name) {
   const std::string own = from.substr(0, from.rfind('/') + 1);
-  for (const std::string& prefix : {own, std::string("lib/"), std::string("procs/")}) {
+  for (const std::string& prefix :
+       {own, std::string("lib/"), std::string("procs/"), std::string()}) {
     if (tree.contains(prefix + name)) return prefix + name;
   }
   return {};

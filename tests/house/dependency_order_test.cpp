@@ -60,10 +60,12 @@ TEST(DependencyOrder, AnIncludeInACommentIsNone) {
 
 TEST(DependencyOrder, AFolderOfBothKindsIsToldApart) {
   const SourceTree tree{{"lib/camera/rig.hpp", ""},
-                        {"procs/camera/node.hpp", "#include \"camera/rig.hpp\"\n"}};
+                        {"procs/camera/node.hpp", "#include \"camera/rig.hpp\"\n"},
+                        {"procs/cli/cli.hpp", "#include \"procs/camera/node.hpp\"\n"}};
   const DependencyGraph graph = dependency_graph(tree);
-  EXPECT_TRUE(graph.at("procs/camera").contains("lib/camera"));
   EXPECT_TRUE(graph.at("lib/camera").empty());
+  EXPECT_TRUE(graph.at("procs/camera").contains("lib/camera"));
+  EXPECT_TRUE(graph.at("procs/cli").contains("procs/camera"));
 }
 
 TEST(DependencyOrder, EveryWayForScienceToKnowTheBusIsRefused) {

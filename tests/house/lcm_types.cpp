@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "house/lcm_types.hpp"
 
-#include <regex>
+#include <algorithm>
+#include <iterator>
 #include <set>
+#include <sstream>
 
 namespace cairn::house {
 namespace {
@@ -20,21 +22,25 @@ struct TypeFile {
   std::vector<Field> fields;
 };
 
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream stream(line);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
 TypeFile parse(const std::string& path, const std::string& text) {
-  static const std::regex package_line(R"(\s*package\s+cairn\s*;.*)");
-  static const std::regex struct_line(R"(\s*(?:struct|enum)\s+(\w+).*)");
-  static const std::regex field_line(R"(\s*([\w.]+)\s+\w+\s*((?:\[\s*\w+\s*\]\s*)*);\s*(//.*)?)");
   TypeFile file;
   file.path = path;
   const std::vector<std::string> lines = lines_of(text);
-  std::smatch match;
   for (size_t i = 0; i < lines.size(); ++i) {
-    if (std::regex_match(lines[i], package_line)) {
-      file.in_package_cairn = true;
-    } else if (std::regex_match(lines[i], match, struct_line)) {
-      file.structs.push_back(match[1]);
-    } else if (std::regex_match(lines[i], match, field_line)) {
-      file.fields.push_back({i + 1, match[1], match[3]});
+    const size_t comment = std::min(lines[i].find("//"), lines[i].size());
+    const std::vector<std::string> words = words_of(lines[i].substr(0, comment));
+    if (words.size() < 2 || words[0] == "const") continue;
+    if (words[0] == "package") {
+      file.in_package_cairn = words[1] == "cairn;";
+    } else if (words[0] == "struct" || words[0] == "enum") {
+      file.structs.push_back(words[1]);
+    } else {
+      file.fields.push_back({i + 1, words[0], lines[i].substr(comment)});
     }
   }
   return file;
@@ -51,8 +57,9 @@ bool has_words(const std::string& comment) {
 }
 
 bool has_unit(const std::string& comment) {
-  static const std::regex unit(R"(.*\[[^\]]+\].*)");
-  return std::regex_match(comment, unit);
+  const size_t open = comment.find('[');
+  const size_t close = comment.find(']', std::min(open, comment.size()));
+  return close != std::string::npos && close > open + 1;
 }
 
 void check_fields(const TypeFile& file, Findings& findings) {
