@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cairn/header_t.hpp>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -9,6 +10,17 @@
 #include "core/result.hpp"
 
 namespace cairn::bus {
+
+/// The header of a message of any type: its first field, behind the 8-byte fingerprint.
+[[nodiscard]] inline Result<header_t> peek_header(std::span<const std::uint8_t> bytes) {
+  constexpr int kFingerprintSize = 8;
+  header_t header{};
+  const int size = static_cast<int>(bytes.size());
+  if (header._decodeNoHash(bytes.data(), kFingerprintSize, size - kFingerprintSize) < 0) {
+    return fail(std::to_string(size) + " bytes are too few for a message with a header");
+  }
+  return header;
+}
 
 /// The message in these bytes. Refused: bytes of another type or of another version of it, forged
 /// lengths, bytes left over, and a header that no sender of ours writes.

@@ -48,10 +48,14 @@ void Lockstep::run(const Node& source, const std::function<void()>& after_step) 
     while (wave()) {
     }
     if (after_step) after_step();
-    if (source.stopping()) return;
+    if (source.stopping()) break;
     HostTime next = nodes_.front()->next_deadline_us();
     for (const auto& node : nodes_) next = std::min(next, node->next_deadline_us());
     clock_.set(next);
+  }
+  for (const auto& node : nodes_) node->publish_status();
+  hub_.deliver();
+  while (wave()) {
   }
 }
 

@@ -58,7 +58,8 @@ Node::Node(std::string process, Bus& bus, const HostClock& clock, StateFolder st
       state_{std::move(state)},
       session_{session},
       started_us_{clock.now_us()} {
-  every_host(kHeartbeatPeriod_us, [this] { beat(); });
+  every_host(kHeartbeatPeriod_us, [this] { publish_status(); });
+  host_timers_.front().due_us = started_us_;
   on<channels::Clock>([this](const cairn::clock_t& tick) { set_data_time(tick.header.utime); });
 }
 
@@ -188,7 +189,7 @@ std::pair<Health, std::string> Node::observed_health() const {
   return {health_, health_reason_};
 }
 
-void Node::beat() {
+void Node::publish_status() {
   process_status_t status{};
   status.process = process_;
   status.pid = ::getpid();

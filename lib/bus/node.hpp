@@ -154,6 +154,9 @@ class Node {
   /// work. Waits for something to do, at most `timeout_us`.
   void spin_once(std::int64_t timeout_us);
 
+  /// Sends PROCESS_STATUS now; otherwise it goes out with the first spin and once a second.
+  void publish_status();
+
   /// True if messages that were taken in still wait to be handled.
   [[nodiscard]] bool has_work() const { return !pending_.empty(); }
   /// When the next timer of host time is due.
@@ -194,7 +197,6 @@ class Node {
   void run_data_timers();
   void do_one();
   void guarded(std::string_view channel, const std::function<void()>& act);
-  void beat();
   [[nodiscard]] std::pair<Health, std::string> observed_health() const;
 
   std::string process_;

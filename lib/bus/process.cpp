@@ -115,6 +115,7 @@ int run(const ProcessDescription& description, const Options& options) {
   spdlog::info("{}: ready", description.name);
   while (!node.stopping() && !stop.arrived()) node.spin_once(kLongestWait_us);
   const auto finished = (*finish)();
+  node.publish_status();
   if (!finished) spdlog::error("{}: {}", description.name, finished.error().message);
   return finished ? 0 : kExitFailure;
 }
