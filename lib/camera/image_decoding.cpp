@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <initializer_list>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -13,30 +15,63 @@ namespace cairn::camera {
 namespace {
 
 constexpr std::size_t kMaxImage_bytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxPixels = std::size_t{1} << 27;
 
-/// Whether a JPEG reaches its end-of-image marker (ITU-T T.81, annex B). Decoders fill what is
-/// missing with grey.
-bool jpeg_is_whole(std::span<const std::uint8_t> bytes) {
-  constexpr std::uint8_t kStartOfScan = 0xda;
+std::size_t big_endian(std::span<const std::uint8_t> bytes) {
+  std::size_t value = 0;
+  for (const std::uint8_t byte : bytes) value = value << 8 | byte;
+  return value;
+}
+
+bool starts_with(std::span<const std::uint8_t> bytes, std::initializer_list<std::uint8_t> start) {
+  return bytes.size() >= start.size() && std::equal(start.begin(), start.end(), bytes.begin());
+}
+
+Result<void> check_pixels(std::size_t width_px, std::size_t height_px) {
+  if (width_px * height_px <= kMaxPixels) return {};
+  return fail("claims to have " + std::to_string(width_px) + " x " + std::to_string(height_px) +
+              " pixels");
+}
+
+/// Size and end-of-image marker (ITU-T T.81, annex B): decoders fill what is missing with grey.
+Result<void> check_jpeg(std::span<const std::uint8_t> bytes) {
   std::size_t at = 2;
-  while (at + 4 <= bytes.size() && bytes[at] == 0xff) {
-    const bool scan = bytes[at + 1] == kStartOfScan;
-    at += 2 + std::size_t{bytes[at + 2]} * 256 + bytes[at + 3];
-    if (scan) break;
+  bool scan = false;
+  while (!scan && at + 4 <= bytes.size() && bytes[at] == 0xff) {
+    const std::uint8_t marker = bytes[at + 1];
+    const bool tables = marker == 0xc4 || marker == 0xc8 || marker == 0xcc;
+    if (marker >= 0xc0 && marker <= 0xcf && !tables && at + 9 <= bytes.size()) {
+      auto checked =
+          check_pixels(big_endian(bytes.subspan(at + 7, 2)), big_endian(bytes.subspan(at + 5, 2)));
+      if (!checked) return checked;
+    }
+    scan = marker == 0xda;
+    at += 2 + big_endian(bytes.subspan(at + 2, 2));
   }
-  if (at >= bytes.size()) return false;
   constexpr std::uint8_t kEndOfImage[] = {0xff, 0xd9};
-  const auto scan = bytes.subspan(at);
-  return std::search(scan.begin(), scan.end(), std::begin(kEndOfImage), std::end(kEndOfImage)) !=
-         scan.end();
+  if (!scan || at >= bytes.size() ||
+      std::search(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.end(),
+                  std::begin(kEndOfImage), std::end(kEndOfImage)) == bytes.end()) {
+    return fail("is cut off: the end of the JPEG is missing");
+  }
+  return {};
+}
+
+/// What decoders let pass: a size that would take all memory, a JPEG that ends early.
+Result<void> check_header(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) return fail("is empty");
+  if (bytes.size() > kMaxImage_bytes) return fail("is too large");
+  if (starts_with(bytes, {0xff, 0xd8})) return check_jpeg(bytes);
+  if (starts_with(bytes, {0x89, 'P', 'N', 'G'}) && bytes.size() >= 24) {
+    return check_pixels(big_endian(bytes.subspan(16, 4)), big_endian(bytes.subspan(20, 4)));
+  }
+  return {};
 }
 
 /// As stored: depth and channels are the file's.
 Result<cv::Mat> decode(std::span<const std::uint8_t> bytes) {
-  if (bytes.empty()) return fail("is empty");
-  if (bytes.size() > kMaxImage_bytes) return fail("is too large");
-  if (bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8 && !jpeg_is_whole(bytes)) {
-    return fail("is cut off: the end of the JPEG is missing");
+  if (const auto checked = check_header(bytes); !checked) {
+    return tl::make_unexpected(checked.error());
   }
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
