@@ -86,7 +86,7 @@ Result<StampedPose> euroc_pose(const TableLine& line) {
   const auto& [x, y, z, qw, qx, qy, qz] = *v;
   const auto T = make_pose(line, {x, y, z}, {qw, qx, qy, qz});
   if (!T) return tl::make_unexpected(T.error());
-  return StampedPose{*t_ns / 1000, *T};
+  return StampedPose{*t_ns / 1000 + (*t_ns % 1000 >= 500 ? 1 : 0), *T};
 }
 
 template <class ParsePose>

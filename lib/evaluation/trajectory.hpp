@@ -35,7 +35,7 @@ using Trajectory = std::vector<StampedPose>;
 [[nodiscard]] Result<Trajectory> read_kitti(const std::filesystem::path& file,
                                             std::span<const Utime> times);
 
-/// EuRoC: `t,x,y,z,qw,qx,qy,qz[,...]`, t in nanoseconds (cut to the microsecond), metres.
+/// EuRoC: `t,x,y,z,qw,qx,qy,qz[,...]`, t in nanoseconds (rounded to the microsecond), metres.
 [[nodiscard]] Result<Trajectory> read_euroc(const std::filesystem::path& file);
 
 /// One of the above by its name in a dataset.yaml: "tum", "kitti" or "euroc". Only kitti uses the
