@@ -11,9 +11,20 @@
 
 namespace cairn::mapping {
 
+/// The voxels of a brick that rays pass through. Rays that run mostly along x, y and z are kept
+/// apart, each in layers across their axis, so that a ray marks one word for each layer that it
+/// crosses.
+struct MissLayers {
+  /// [axis][layer]: for axis x bit y + 8 z, for y bit x + 8 z, for z bit x + 8 y.
+  std::array<std::array<std::uint64_t, kBrickSide>, 3> words{};
+
+  /// All three in the order of index_in_brick.
+  [[nodiscard]] VoxelMask mask() const;
+};
+
 /// What the rays of one frame did to a brick.
 struct alignas(64) FrameBrick {
-  VoxelMask misses;
+  MissLayers misses;
   std::array<std::uint32_t, 6> neighbours;  ///< place of the brick across -x +x -y +y -z +z
   BrickIndex index;
   alignas(64) VoxelMask hits;
@@ -45,11 +56,11 @@ class FrameBricks {
 
   /// The brick across a face (numbered as in FrameBrick::neighbours).
   [[nodiscard]] std::uint32_t across(std::uint32_t brick, std::size_t face) {
-    const std::uint32_t known = bricks_[brick].neighbours[face];
+    const std::uint32_t known = (*this)[brick].neighbours[face];
     return known != kNone ? known : link(brick, face);
   }
 
-  [[nodiscard]] FrameBrick& operator[](std::uint32_t brick) { return bricks_[brick]; }
+  [[nodiscard]] FrameBrick& operator[](std::uint32_t brick) { return bricks_.data()[brick]; }
   [[nodiscard]] const std::vector<FrameBrick>& all() const { return bricks_; }
 
  private:
