@@ -2,6 +2,8 @@
 #include "stereo/pixel_grading.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -14,9 +16,9 @@ namespace {
 constexpr int kTextureWindow_px = 9;
 constexpr int kSobelGain = 8;  // of the 3x3 kernel, per grey level and px
 constexpr float kLowTexture_per_px = 1.0F;
-constexpr float kGoodTexture_per_px = 4.0F;
-constexpr int kAgreementWindow_px = 5;
-constexpr int kAgreement_16ths = 16;
+constexpr std::array<int, 3> kReaches_px{2, 4, 8};  // for confidence 1, 2, 3
+constexpr int kAgreement_16ths = 8;
+constexpr int kClaimMargin_16ths = 16;
 constexpr int kUnclaimed = -1;
 
 enum class Fate : std::uint8_t { kAnswer, kOutside, kOutOfRange, kRefused };
@@ -29,14 +31,32 @@ cv::Mat_<float> horizontal_texture(const cv::Mat& image) {
   return cv::Mat(texture / kSobelGain);
 }
 
-/// True where all answers of the window are within kAgreement_16ths and none is missing.
-cv::Mat_<std::uint8_t> neighbours_agree(const cv::Mat_<std::int16_t>& disparity) {
-  const cv::Mat window = cv::Mat::ones(kAgreementWindow_px, kAgreementWindow_px, CV_8U);
-  cv::Mat lowest;
-  cv::Mat highest;
-  cv::erode(disparity, lowest, window);
-  cv::dilate(disparity, highest, window);
-  return cv::Mat((highest - lowest) <= kAgreement_16ths);
+/// True if the answers `reach_px` away on either side, in all four directions, are there and lie on
+/// a straight line with the pixel's own, within kAgreement_16ths at its middle (twice that in their
+/// sum).
+bool lies_on_a_surface(const cv::Mat_<std::int16_t>& disparity, int row, int col, int reach_px,
+                       int first_16ths) {
+  if (row < reach_px || col < reach_px || row + reach_px >= disparity.rows ||
+      col + reach_px >= disparity.cols) {
+    return false;
+  }
+  constexpr std::array<std::array<int, 2>, 4> kDirections{{{0, 1}, {1, 0}, {1, 1}, {1, -1}}};
+  for (const auto& [down, right] : kDirections) {
+    const int before = disparity(row - down * reach_px, col - right * reach_px);
+    const int after = disparity(row + down * reach_px, col + right * reach_px);
+    if (before < first_16ths || after < first_16ths) return false;
+    if (std::abs(before + after - 2 * disparity(row, col)) > 2 * kAgreement_16ths) return false;
+  }
+  return true;
+}
+
+int surface_level(const cv::Mat_<std::int16_t>& disparity, int row, int col, int first_16ths) {
+  int level = 0;
+  for (const int reach_px : kReaches_px) {
+    if (!lies_on_a_surface(disparity, row, col, reach_px, first_16ths)) break;
+    ++level;
+  }
+  return level;
 }
 
 int right_column(int col, int disparity_16ths) { return col - (disparity_16ths + 8) / 16; }
@@ -59,16 +79,16 @@ class RowGrader {
 
   [[nodiscard]] bool claim_is_its_own(int col, int disparity_16ths) const {
     const int claim = claimed_[index(right_column(col, disparity_16ths))];
-    return claim - disparity_16ths <= kAgreement_16ths;
+    return claim - disparity_16ths <= kClaimMargin_16ths;
   }
 
-  /// True if what lies behind the pixel's neighbours would be seen at a pixel of the right image
-  /// that something nearer has taken.
-  [[nodiscard]] bool is_covered(int col) const {
+  /// True if what lies behind the pixel's neighbours would be seen beyond the right image's edge,
+  /// or at a pixel of it that something nearer has taken.
+  [[nodiscard]] bool is_hidden(int col) const {
     const int behind = background_[index(col)];
     if (behind == kUnclaimed) return false;
     const int there = right_column(col, behind);
-    return there >= 0 && claimed_[index(there)] > behind + kAgreement_16ths;
+    return there < 0 || claimed_[index(there)] > behind + kClaimMargin_16ths;
   }
 
  private:
@@ -128,7 +148,6 @@ GradedPixels grade_pixels(const cv::Mat& left, const cv::Mat_<std::int16_t>& raw
   GradedPixels graded{cv::Mat_<std::uint16_t>(disparity.size(), std::uint16_t{0}),
                       cv::Mat_<std::uint8_t>(disparity.size())};
   const cv::Mat_<float> texture = horizontal_texture(left);
-  const cv::Mat_<std::uint8_t> agree = neighbours_agree(disparity);
   RowGrader grader(range, disparity.cols);
   for (int row = 0; row < disparity.rows; ++row) {
     grader.load(disparity[row], disparity.cols);
@@ -138,9 +157,10 @@ GradedPixels grade_pixels(const cv::Mat& left, const cv::Mat_<std::int16_t>& raw
       std::uint8_t& code = graded.code(row, col);
       if (d >= first_16ths) {
         graded.disparity_16ths(row, col) = static_cast<std::uint16_t>(d);
-        code = static_cast<std::uint8_t>((texture(row, col) >= kGoodTexture_per_px ? 1 : 0) +
-                                         (agree(row, col) != 0 ? 1 : 0) +
-                                         (grader.claim_is_its_own(col, d) ? 1 : 0));
+        const int cap = texture(row, col) < kLowTexture_per_px ? 1 : 3;
+        const int level =
+            grader.claim_is_its_own(col, d) ? surface_level(disparity, row, col, first_16ths) : 0;
+        code = static_cast<std::uint8_t>(std::min(level, cap));
         continue;
       }
       Reason reason = Reason::kAmbiguous;
@@ -150,7 +170,7 @@ GradedPixels grade_pixels(const cv::Mat& left, const cv::Mat_<std::int16_t>& raw
         reason = Reason::kOutOfRange;
       } else if (texture(row, col) < kLowTexture_per_px) {
         reason = Reason::kLowTexture;
-      } else if (grader.is_covered(col)) {
+      } else if (grader.is_hidden(col)) {
         reason = Reason::kNoData;
       }
       code = static_cast<std::uint8_t>(reason);

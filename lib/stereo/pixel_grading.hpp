@@ -26,13 +26,15 @@ struct GradedPixels {
 /// `speckle_size_px` pixels (neighbours within `speckle_range_px`); kOutOfRange where the best
 /// disparity is the first or the last one searched, so that the true one may lie beyond;
 /// kLowTexture where the mean absolute horizontal gradient over 9x9 is below 1 grey level per px;
-/// kNoData where the background's disparity leads to a pixel of the right image that something
-/// nearer has taken (covered there); else kAmbiguous: the matcher's uniqueness or left-right check
-/// failed.
+/// kNoData where the disparity of the background beside it leads beyond that edge, or to a pixel of
+/// the right image that something nearer has taken (covered there); else kAmbiguous: the matcher's
+/// uniqueness or left-right check failed.
 ///
-/// Confidence is the count of these that hold: gradient (as above) of 4 grey levels per px or more;
-/// all disparities of the 5x5 around within 1 px; no pixel with another disparity (by over 1 px)
-/// claims the same pixel of the right image.
+/// Confidence says how far around the pixel the answers form one smooth surface, of whatever slope:
+/// 1, 2, 3 for 2, 4 and 8 px, tested along row, column and diagonals (the mean of the two answers
+/// that far off is within 0.5 px of the pixel's own). It is 0 where a pixel with a disparity larger
+/// by over 1 px claims the same pixel of the right image, and 1 at most where the gradient (as
+/// above) is below 1 grey level per px.
 [[nodiscard]] GradedPixels grade_pixels(const cv::Mat& left,
                                         const cv::Mat_<std::int16_t>& raw_16ths,
                                         const SearchRange& range, int speckle_size_px,

@@ -21,7 +21,8 @@ constexpr double kAlignedTolerance = 1e-6;
 constexpr double kMinCosBetweenViews = 0.5;
 constexpr double kMinSinViewToBaseline = 0.5;
 constexpr double kMinViewWidth = 1e-3;
-constexpr double kZoom = 1.002;  // hides what the edge samples miss
+constexpr double kZoomStep = 1.002;  // hides what the edge samples miss
+constexpr int kMaxZoomSteps = 40;
 constexpr int kSamplesPerEdge = 64;
 
 bool is_row_aligned(const RigCalibration& rig) {
@@ -111,35 +112,32 @@ void shrink_to_picture(Window& window, const CameraModel& model, const cv::Matx3
   }
 }
 
-}  // namespace
+/// For each rectified pixel, where it lies in the raw image.
+struct Sources {
+  cv::Mat x_px;
+  cv::Mat y_px;
 
-struct Rectifier::View {
-  double f_px = 0;
-  double cx_px = 0;
-  double cy_px = 0;
-  cv::Size size;
-
-  [[nodiscard]] cv::Matx33d K() const { return {f_px, 0, cx_px, 0, f_px, cy_px, 0, 0, 1}; }
+  [[nodiscard]] bool all_within(cv::Size size) const {
+    const cv::Mat within =
+        (x_px >= 0) & (x_px <= size.width - 1) & (y_px >= 0) & (y_px <= size.height - 1);
+    return cv::countNonZero(within) == static_cast<int>(within.total());
+  }
 };
 
-Rectifier::Remap Rectifier::make_remap(const CameraModel& model, const cv::Matx33d& R,
-                                       const View& view, cv::Size raw_size) {
-  cv::Mat x;
-  cv::Mat y;
+Sources sources_of(const CameraModel& model, const cv::Matx33d& R, const cv::Matx33d& K,
+                   cv::Size size) {
+  Sources sources;
   if (model.distortion == Distortion::kEquidistant) {
-    cv::fisheye::initUndistortRectifyMap(model.K(), model.coefficients, R, view.K(), view.size,
-                                         CV_32FC1, x, y);
+    cv::fisheye::initUndistortRectifyMap(model.K(), model.coefficients, R, K, size, CV_32FC1,
+                                         sources.x_px, sources.y_px);
   } else {
-    cv::initUndistortRectifyMap(model.K(), model.coefficients, R, view.K(), view.size, CV_32FC1, x,
-                                y);
+    cv::initUndistortRectifyMap(model.K(), model.coefficients, R, K, size, CV_32FC1, sources.x_px,
+                                sources.y_px);
   }
-  Remap remap;
-  const cv::Mat has_picture =
-      (x >= 0) & (x <= raw_size.width - 1) & (y >= 0) & (y <= raw_size.height - 1);
-  if (cv::countNonZero(has_picture) != view.size.area()) remap.has_picture = has_picture;
-  cv::convertMaps(x, y, remap.map, remap.fractions, CV_16SC2);
-  return remap;
+  return sources;
 }
+
+}  // namespace
 
 Result<Rectifier> Rectifier::create(const RigCalibration& rig) {
   if (auto ok = camera::check(rig); !ok) return tl::make_unexpected(ok.error());
@@ -170,20 +168,30 @@ Result<Rectifier> Rectifier::create(const RigCalibration& rig) {
     }
     const bool on_its_side =
         std::abs((*R_rectified_left)(0, 1)) > std::abs((*R_rectified_left)(0, 0));
-    View view;
-    view.size = on_its_side ? cv::Size(rig.height_px, rig.width_px) : rectifier.raw_size_;
-    view.f_px =
-        std::max((view.size.width - 1) / window.width(), (view.size.height - 1) / window.height());
-    view.cx_px = (view.size.width - 1) / 2.0 - view.f_px * (window.left + window.right) / 2.0;
-    view.cy_px = (view.size.height - 1) / 2.0 - view.f_px * (window.top + window.bottom) / 2.0;
-    rectifier.left_ = make_remap(rig.left, R_left, view, rectifier.raw_size_);
-    rectifier.right_ = make_remap(rig.right, R_right, view, rectifier.raw_size_);
+    const cv::Size size = on_its_side ? cv::Size(rig.height_px, rig.width_px) : rectifier.raw_size_;
+    double f_px = std::max((size.width - 1) / window.width(), (size.height - 1) / window.height());
+    cv::Matx33d K;
+    Sources left;
+    Sources right;
+    for (int step = 0;; ++step) {
+      if (step == kMaxZoomSteps) return fail("rig: a lens model folds the image over itself");
+      f_px *= kZoomStep;
+      K = {f_px, 0,    (size.width - 1 - f_px * (window.left + window.right)) / 2,
+           0,    f_px, (size.height - 1 - f_px * (window.top + window.bottom)) / 2,
+           0,    0,    1};
+      left = sources_of(rig.left, R_left, K, size);
+      right = sources_of(rig.right, R_right, K, size);
+      if (left.all_within(rectifier.raw_size_) && right.all_within(rectifier.raw_size_)) break;
+    }
+    cv::convertMaps(left.x_px, left.y_px, rectifier.left_.map, rectifier.left_.fractions, CV_16SC2);
+    cv::convertMaps(right.x_px, right.y_px, rectifier.right_.map, rectifier.right_.fractions,
+                    CV_16SC2);
 
-    rectifier.camera_.f_px = view.f_px;
-    rectifier.camera_.cx_px = view.cx_px;
-    rectifier.camera_.cy_px = view.cy_px;
-    rectifier.camera_.width_px = view.size.width;
-    rectifier.camera_.height_px = view.size.height;
+    rectifier.camera_.f_px = f_px;
+    rectifier.camera_.cx_px = K(0, 2);
+    rectifier.camera_.cy_px = K(1, 2);
+    rectifier.camera_.width_px = size.width;
+    rectifier.camera_.height_px = size.height;
     rectifier.camera_.T_body_camera = rig.T_body_left;
     rectifier.camera_.T_body_camera.linear() =
         rig.T_body_left.linear() * R_rectified_left->transpose();
@@ -209,26 +217,6 @@ Result<RectifiedPair> Rectifier::rectify(const cv::Mat& left, const cv::Mat& rig
     return pair;
   } catch (const cv::Exception& exception) {
     return fail(std::string("stereo pair: ") + exception.what());
-  }
-}
-
-void Rectifier::reject_border(DisparityImage& image) const {
-  if (left_.has_picture.empty() && right_.has_picture.empty()) return;
-  const auto seen = [](const cv::Mat& has_picture, int x, int y) {
-    if (x < 0 || y < 0) return false;
-    if (has_picture.empty()) return true;
-    return x < has_picture.cols && y < has_picture.rows && has_picture.at<std::uint8_t>(y, x) != 0;
-  };
-  for (int row = 0; row < image.rows(); ++row) {
-    for (int col = 0; col < image.cols(); ++col) {
-      if (!image.valid(row, col)) continue;
-      const int u = col * image.step_px;
-      const int v = row * image.step_px;
-      const int u_right = static_cast<int>(std::lround(u - image.disparity_px(row, col)));
-      if (seen(left_.has_picture, u, v) && seen(right_.has_picture, u_right, v)) continue;
-      image.disparity_16ths(row, col) = 0;
-      image.code(row, col) = static_cast<std::uint8_t>(Reason::kNoData);
-    }
   }
 }
 

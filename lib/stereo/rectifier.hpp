@@ -35,21 +35,13 @@ class Rectifier {
   /// memory.
   [[nodiscard]] Result<RectifiedPair> rectify(const cv::Mat& left, const cv::Mat& right) const;
 
-  /// Takes out (kNoData) the answers that rest on pixels without a picture in either image.
-  void reject_border(DisparityImage& image) const;
-
  private:
   struct Remap {
-    cv::Mat map;          ///< CV_16SC2
-    cv::Mat fractions;    ///< CV_16UC1
-    cv::Mat has_picture;  ///< CV_8UC1, 255 where the source lies inside the raw image; empty:
-                          ///< everywhere
+    cv::Mat map;        ///< CV_16SC2; empty: the images pass through
+    cv::Mat fractions;  ///< CV_16UC1
   };
-  struct View;
 
   Rectifier() = default;
-  static Remap make_remap(const camera::CameraModel& model, const cv::Matx33d& R, const View& view,
-                          cv::Size raw_size);
 
   RectifiedCamera camera_;
   cv::Size raw_size_;
