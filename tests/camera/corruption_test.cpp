@@ -34,7 +34,7 @@ class Corruption : public testing::ScratchTest {
     }
   }
 
-  /// Damages one file a thousand ways; `open` must answer each with a sound value or a message that
+  /// Damages one file in kRounds ways; `open` must answer each with a sound value or a message that
   /// names a path.
   template <class Open>
   void survives(const std::string& name, const Open& open) {
