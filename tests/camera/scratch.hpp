@@ -32,8 +32,10 @@ class ScratchTest : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
+  /// A new file each time: overwriting one makes some file systems wait for the disk.
   void write(const std::string& name, const std::string& text) const {
     fs::create_directories((folder_ / name).parent_path());
+    fs::remove(folder_ / name);
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
   [[nodiscard]] std::string read(const std::string& name) const {
