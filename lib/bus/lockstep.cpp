@@ -7,10 +7,12 @@
 
 namespace cairn::bus {
 
-Node& Lockstep::add(const std::string& process, StateFolder state) {
+Node& Lockstep::add(const std::string& process, StateFolder state, Bus** bus) {
+  Bus& endpoint = hub_.make_endpoint();
+  if (bus != nullptr) *bus = &endpoint;
   const auto session = static_cast<std::int64_t>(nodes_.size()) + 1;
   return *nodes_.emplace_back(
-      std::make_unique<Node>(process, hub_.make_endpoint(), clock_, std::move(state), session));
+      std::make_unique<Node>(process, endpoint, clock_, std::move(state), session));
 }
 
 void Lockstep::work_off(std::size_t index) {

@@ -21,7 +21,8 @@ class Lockstep {
   explicit Lockstep(int threads) : threads_{threads} {}
 
   /// A node to build a process's node class on; lives as long as this.
-  [[nodiscard]] Node& add(const std::string& process, StateFolder state);
+  /// `bus`, if it is not null, gets the node's own bus, for sources that send bytes as they are.
+  [[nodiscard]] Node& add(const std::string& process, StateFolder state, Bus** bus = nullptr);
 
   /// Runs until `source` asks to stop and nothing is left to do. `after_step` is called whenever
   /// all is quiet.

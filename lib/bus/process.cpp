@@ -3,14 +3,13 @@
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/signalfd.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <csignal>
 #include <iostream>
 #include <opencv2/core.hpp>
 #include <random>
+
+#include "bus/stop_signal.hpp"
 
 namespace cairn::bus {
 namespace {
@@ -55,32 +54,6 @@ void declare(CLI::App& app, Options& options, const std::string& name) {
   app.footer("Example:\n  cairn-" + name +
              " --config config/robots/webcams.yaml --state logs/run-1/" + name);
 }
-
-/// SIGINT and SIGTERM as something to look at, not something that interrupts. Made before any
-/// thread is.
-class StopSignal {
- public:
-  StopSignal() {
-    sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGINT);
-    sigaddset(&signals, SIGTERM);
-    ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    fd_ = ::signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
-    std::signal(SIGPIPE, SIG_IGN);
-  }
-  StopSignal(const StopSignal&) = delete;
-  StopSignal& operator=(const StopSignal&) = delete;
-  ~StopSignal() { ::close(fd_); }
-
-  [[nodiscard]] bool arrived() const {
-    signalfd_siginfo info{};
-    return ::read(fd_, &info, sizeof(info)) == sizeof(info);
-  }
-
- private:
-  int fd_;
-};
 
 std::int64_t random_session() {
   std::random_device device;

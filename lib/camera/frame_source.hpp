@@ -56,6 +56,7 @@ struct DatasetInfo {
   std::string truth_frame;      ///< "left_camera" or "body": whose pose the truth gives
   double map_resolution_m = 0;  ///< 0 = nothing said
   double map_max_range_m = 0;   ///< 0 = nothing said
+  std::vector<Utime> utimes;    ///< of all frames
 };
 
 struct Dataset {

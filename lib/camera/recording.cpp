@@ -107,6 +107,7 @@ Result<Dataset> open_recording(Recording recording) {
   }
   Dataset dataset;
   dataset.info = recording.info;
+  dataset.info.utimes = recording.utimes;
   dataset.frames = std::make_unique<RecordedFrames>(std::move(recording));
   return dataset;
 }

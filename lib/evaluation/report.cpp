@@ -25,7 +25,10 @@ Json trajectory_json(const TrajectoryReport& trajectory) {
           {"ate_rmse_m", or_null(trajectory.ate_rmse_m)},
           {"final_ate_rmse_m", or_null(trajectory.final_ate_rmse_m)},
           {"odometry_ate_rmse_m", or_null(trajectory.odometry_ate_rmse_m)},
-          {"rpe_1m", or_null(trajectory.rpe_1m)}};
+          {"rpe_1m", or_null(trajectory.rpe_1m)},
+          {"end_error_m", or_null(trajectory.end_error_m)},
+          {"end_error_fraction", or_null(trajectory.end_error_fraction)},
+          {"end_yaw_error_rad", or_null(trajectory.end_yaw_error_rad)}};
 }
 
 Json map_json(const MapReport& map) {

@@ -28,7 +28,6 @@ void StereoNode::match(const stereo_frame_t& frame) {
   auto seen =
       matcher_->match(pair->left, pair->right, frames_.rectifier().camera(), frame.header.utime);
   if (!seen) return node_.refuse(channels::StereoFrame::name, seen.error().message);
-  frames_.rectifier().reject_border(*seen);
   auto message = messages::to_message(*seen, static_cast<std::uint64_t>(frame.calibration_id));
   if (!message) return node_.refuse(channels::Disparity::name, message.error().message);
   node_.publish<channels::Disparity>(std::move(*message), frame.header.utime);

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "procs/cli/run_recorder.hpp"
+
+#include "bus/channels.hpp"
+#include "bus/codec.hpp"
+#include "messages/geometry_messages.hpp"
+
+namespace cairn::cli {
+
+namespace channels = bus::channels;
+
+namespace {
+
+bool is_large(const std::string& channel) {
+  return channel == channels::Disparity::name || channel == channels::DisparityBand::name ||
+         channel == channels::MapDelta::name;
+}
+
+void append(evaluation::Trajectory& trajectory, Utime utime, const Result<Isometry>& T) {
+  if (!T || (!trajectory.empty() && utime <= trajectory.back().utime)) return;
+  trajectory.push_back({utime, *T});
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RunRecorder>> RunRecorder::create(bus::Node& node,
+                                                         const std::filesystem::path& recording,
+                                                         bool all) {
+  std::optional<bus::RecordingWriter> writer;
+  if (!recording.empty()) {
+    auto created = bus::RecordingWriter::create(recording);
+    if (!created) return tl::make_unexpected(created.error());
+    writer = std::move(*created);
+  }
+  return std::make_unique<RunRecorder>(node, std::move(writer), all);
+}
+
+RunRecorder::RunRecorder(bus::Node& node, std::optional<bus::RecordingWriter> writer, bool all)
+    : node_{node}, writer_{std::move(writer)}, all_{all} {
+  node.on_raw([this](const bus::RawMessage& raw) { hear(raw); });
+}
+
+void RunRecorder::hear(const bus::RawMessage& raw) {
+  keep(raw);
+  if (raw.channel == channels::StereoFrame::name || raw.channel == channels::Disparity::name) {
+    const auto header = bus::peek_header(raw.bytes);
+    if (!header) return;
+    // Of a depth recording DISPARITY is the frame; else STEREO_FRAME came first.
+    if (frame_sent_us_.try_emplace(header->utime, header->sent_steady_us).second) {
+      ++frames_;
+      not_mapped_yet_.emplace(header->utime, header->sent_steady_us);
+    }
+    last_result_us_ = node_.host_time();
+  }
+  if (raw.channel == channels::Odometry::name) hear_odometry(raw);
+  if (raw.channel == channels::Pose::name) hear_pose(raw);
+  if (raw.channel == channels::MapDelta::name) hear_map(raw);
+  if (raw.channel == channels::ProcessStatus::name) hear_status(raw);
+}
+
+void RunRecorder::keep(const bus::RawMessage& raw) {
+  if (!writer_ || (is_large(raw.channel) && !all_) || raw.channel == "LCM_SELF_TEST") return;
+  if (auto written = writer_->write(node_.host_time(), raw.channel, raw.bytes); !written) {
+    node_.log(bus::Level::kError, written.error().message + "; the recording ends here");
+    writer_.reset();
+  }
+}
+
+void RunRecorder::add_latency(Utime utime, HostTime sent_us, std::vector<double>& latencies) {
+  last_result_us_ = node_.host_time();
+  const auto frame = frame_sent_us_.find(utime);
+  if (frame == frame_sent_us_.end()) return;
+  latencies.push_back(1e-3 * static_cast<double>(sent_us - frame->second));
+}
+
+void RunRecorder::hear_odometry(const bus::RawMessage& raw) {
+  const auto message = bus::decode<odometry_t>(raw.bytes);
+  if (!message) return;
+  append(odometry_, message->header.utime,
+         messages::to_isometry(message->T_odom_body, "T_odom_body"));
+  if (poses_.empty())
+    add_latency(message->header.utime, message->header.sent_steady_us, frame_to_pose_ms_);
+}
+
+void RunRecorder::hear_pose(const bus::RawMessage& raw) {
+  const auto message = bus::decode<pose_t>(raw.bytes);
+  if (!message) return;
+  if (poses_.empty()) frame_to_pose_ms_.clear();
+  append(poses_, message->header.utime, messages::to_isometry(message->T_map_body, "T_map_body"));
+  add_latency(message->header.utime, message->header.sent_steady_us, frame_to_pose_ms_);
+}
+
+void RunRecorder::hear_map(const bus::RawMessage& raw) {
+  const auto message = bus::decode<map_delta_t>(raw.bytes);
+  if (!message) return;
+  last_result_us_ = node_.host_time();
+  const auto end = not_mapped_yet_.upper_bound(message->complete_through_utime);
+  for (auto frame = not_mapped_yet_.begin(); frame != end; ++frame) {
+    frame_to_map_ms_.push_back(1e-3 *
+                               static_cast<double>(message->header.sent_steady_us - frame->second));
+  }
+  not_mapped_yet_.erase(not_mapped_yet_.begin(), end);
+}
+
+void RunRecorder::hear_status(const bus::RawMessage& raw) {
+  auto message = bus::decode<process_status_t>(raw.bytes);
+  if (!message) return;
+  sessions_[message->process].insert_or_assign(message->header.session, std::move(*message));
+}
+
+std::map<std::string, std::uint64_t> RunRecorder::restarts() const {
+  std::map<std::string, std::uint64_t> restarts;
+  for (const auto& [process, sessions] : sessions_) restarts[process] = sessions.size() - 1;
+  return restarts;
+}
+
+template <class Count>
+std::map<std::string, std::uint64_t> RunRecorder::sum(Count count) const {
+  std::map<std::string, std::uint64_t> sums;
+  for (const auto& [process, sessions] : sessions_) {
+    if (process == node_.process()) continue;
+    for (const auto& [session, status] : sessions) {
+      for (const channel_status_t& channel : status.channels) {
+        if (channel.received == 0 && count(channel) == 0) continue;
+        sums[channel.channel] += static_cast<std::uint64_t>(count(channel));
+      }
+    }
+  }
+  return sums;
+}
+
+std::map<std::string, std::uint64_t> RunRecorder::lost() const {
+  return sum([](const channel_status_t& channel) { return channel.lost; });
+}
+std::map<std::string, std::uint64_t> RunRecorder::skipped() const {
+  return sum([](const channel_status_t& channel) { return channel.skipped; });
+}
+std::map<std::string, std::uint64_t> RunRecorder::refused() const {
+  return sum([](const channel_status_t& channel) { return channel.refused; });
+}
+
+}  // namespace cairn::cli

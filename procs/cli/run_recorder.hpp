@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cairn/process_status_t.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bus/node.hpp"
+#include "bus/recording.hpp"
+#include "evaluation/trajectory.hpp"
+
+namespace cairn::cli {
+
+/// Listens to a run and keeps what its report is made of. It is a listener like any other: nothing
+/// on the robot depends on it.
+class RunRecorder {
+ public:
+  /// Also writes a recording of the inputs and the small channels (`all`: of everything), if
+  /// `recording` is not empty.
+  [[nodiscard]] static Result<std::unique_ptr<RunRecorder>> create(
+      bus::Node& node, const std::filesystem::path& recording, bool all);
+
+  RunRecorder(bus::Node& node, std::optional<bus::RecordingWriter> writer, bool all);
+
+  [[nodiscard]] const evaluation::Trajectory& odometry() const { return odometry_; }
+  [[nodiscard]] const evaluation::Trajectory& poses() const { return poses_; }
+  /// As published: POSE where a localizer runs, else ODOMETRY.
+  [[nodiscard]] const evaluation::Trajectory& trajectory() const {
+    return poses_.empty() ? odometry_ : poses_;
+  }
+
+  /// From the sending of a frame to the sending of what came of it, host time [ms].
+  [[nodiscard]] const std::vector<double>& frame_to_pose_ms() const { return frame_to_pose_ms_; }
+  [[nodiscard]] const std::vector<double>& frame_to_map_ms() const { return frame_to_map_ms_; }
+
+  [[nodiscard]] std::int64_t frames() const { return frames_; }
+  [[nodiscard]] HostTime last_result_us() const { return last_result_us_; }
+  [[nodiscard]] bool heard(const std::string& process) const { return sessions_.contains(process); }
+  /// How often a process began anew.
+  [[nodiscard]] std::map<std::string, std::uint64_t> restarts() const;
+  /// Sums over all processes and their runs, by channel.
+  [[nodiscard]] std::map<std::string, std::uint64_t> lost() const;
+  [[nodiscard]] std::map<std::string, std::uint64_t> skipped() const;
+  [[nodiscard]] std::map<std::string, std::uint64_t> refused() const;
+
+ private:
+  void hear(const bus::RawMessage& raw);
+  void keep(const bus::RawMessage& raw);
+  void hear_odometry(const bus::RawMessage& raw);
+  void hear_pose(const bus::RawMessage& raw);
+  void hear_map(const bus::RawMessage& raw);
+  void hear_status(const bus::RawMessage& raw);
+  void add_latency(Utime utime, HostTime sent_us, std::vector<double>& latencies);
+  template <class Count>
+  [[nodiscard]] std::map<std::string, std::uint64_t> sum(Count count) const;
+
+  bus::Node& node_;
+  std::optional<bus::RecordingWriter> writer_;
+  bool all_;
+  evaluation::Trajectory odometry_;
+  evaluation::Trajectory poses_;
+  std::map<Utime, HostTime> frame_sent_us_;
+  std::map<Utime, HostTime> not_mapped_yet_;
+  std::vector<double> frame_to_pose_ms_;
+  std::vector<double> frame_to_map_ms_;
+  std::int64_t frames_ = 0;
+  HostTime last_result_us_ = 0;
+  std::map<std::string, std::map<std::int64_t, process_status_t>>
+      sessions_;  ///< newest status of each run
+};
+
+}  // namespace cairn::cli

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "procs/cli/run_results.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+
+#include "camera/frame_source.hpp"
+#include "core/atomic_file.hpp"
+#include "mapping/map_file.hpp"
+#include "mapping/top_down.hpp"
+#include "procs/cli/truth.hpp"
+
+namespace cairn::cli {
+namespace {
+
+std::vector<Utime> times_of(const evaluation::Trajectory& trajectory) {
+  std::vector<Utime> times;
+  for (const evaluation::StampedPose& pose : trajectory) times.push_back(pose.utime);
+  return times;
+}
+
+std::vector<Eigen::Vector3d> positions_of(const evaluation::Trajectory& trajectory) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const evaluation::StampedPose& pose : trajectory) positions.push_back(pose.T.translation());
+  return positions;
+}
+
+// Truth by lines (KITTI) belongs to the frames of the dataset, of which some may have been skipped;
+// so the times come from the dataset where there is one.
+Result<evaluation::Trajectory> truth_of(const RunPlan& plan,
+                                        const evaluation::Trajectory& trajectory) {
+  std::vector<Utime> times = times_of(trajectory);
+  Isometry T_body_left = Isometry::Identity();
+  if (plan.source_is_dataset) {
+    auto dataset = camera::open_dataset(plan.source.string());
+    if (!dataset) return tl::make_unexpected(dataset.error());
+    T_body_left = dataset->frames->rig().T_body_left;
+    times = dataset->info.utimes;
+  }
+  return read_body_truth(plan.truth, plan.truth_format, plan.truth_frame, times, T_body_left);
+}
+
+Result<void> write_map_picture(const RunPlan& plan, const evaluation::Trajectory& trajectory,
+                               const evaluation::Trajectory& truth) {
+  const auto loaded = mapping::load_map(plan.out / "map.cairn", {});
+  if (!loaded) return tl::make_unexpected(loaded.error());
+  mapping::TopDownOverlay overlay;
+  overlay.perceived_path = positions_of(trajectory);
+  overlay.true_path = positions_of(truth);
+  if (!trajectory.empty()) overlay.T_map_body = trajectory.back().T;
+  std::vector<std::uint8_t> png;
+  cv::imencode(".png", mapping::render_top_down(loaded->map, overlay), png);
+  return write_file_atomically(plan.out / "map.png", png);
+}
+
+void fill(evaluation::Report& report, const RunRecorder& recorder, const RunEnd& end) {
+  report.finished = end.finished;
+  report.reason = end.reason;
+  report.realtime_factor = end.realtime_factor;
+  if (end.latencies_count) {
+    report.latency_ms.frame_to_pose = evaluation::percentiles(recorder.frame_to_pose_ms());
+    report.latency_ms.frame_to_map = evaluation::percentiles(recorder.frame_to_map_ms());
+  }
+  report.dropped = recorder.lost();
+  report.skipped = recorder.skipped();
+  report.restarts = recorder.restarts();
+}
+
+void fill(evaluation::TrajectoryReport& report, const evaluation::TrajectoryScore& score) {
+  report.length_m = score.length_m;
+  report.ate_rmse_m = score.ate_m.rmse;
+  report.odometry_ate_rmse_m = score.ate_m.rmse;
+  if (score.rpe_1m) report.rpe_1m = score.rpe_1m->translation_rmse_m;
+  report.end_error_m = score.end.position_m;
+  report.end_error_fraction = score.end.fraction_of_way;
+  report.end_yaw_error_rad = score.end.yaw_rad;
+}
+
+}  // namespace
+
+Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorder,
+                                 const RunEnd& end) {
+  RunResults results;
+  const evaluation::Trajectory& trajectory = recorder.trajectory();
+  results.frames = trajectory.size();
+  fill(results.report, recorder, end);
+  if (auto written = evaluation::write_tum(plan.out / "trajectory.tum", trajectory); !written) {
+    return tl::make_unexpected(written.error());
+  }
+  evaluation::Trajectory truth;
+  if (!plan.truth.empty() && !trajectory.empty()) {
+    auto read = truth_of(plan, trajectory);
+    if (!read) return tl::make_unexpected(read.error());
+    truth = std::move(*read);
+    if (auto written = evaluation::write_tum(plan.out / "truth.tum", truth); !written) {
+      return tl::make_unexpected(written.error());
+    }
+    auto score = evaluation::score_trajectory(trajectory, truth);
+    if (!score) return tl::make_unexpected(score.error());
+    fill(results.report.trajectory, *score);
+    results.score = std::move(*score);
+  }
+  const std::filesystem::path saved = state_of(plan, "mapper") / "map.cairn";
+  if (std::filesystem::exists(saved)) {
+    const auto bytes = read_file(saved);
+    if (!bytes) return tl::make_unexpected(bytes.error());
+    if (auto copied = write_file_atomically(plan.out / "map.cairn", *bytes); !copied) {
+      return tl::make_unexpected(copied.error());
+    }
+    if (auto drawn = write_map_picture(plan, trajectory, truth); !drawn) {
+      return tl::make_unexpected(drawn.error());
+    }
+  }
+  if (auto written = evaluation::write_report(plan.out / "report.json", results.report); !written) {
+    return tl::make_unexpected(written.error());
+  }
+  return results;
+}
+
+void print_results(const RunPlan& plan, const RunResults& results) {
+  std::printf("%zu frames; %s\n", results.frames, results.report.reason.c_str());
+  if (results.score) {
+    const evaluation::TrajectoryScore& score = *results.score;
+    std::printf("way %.2f m, end point off by %.3f m", score.length_m, score.end.position_m);
+    if (score.end.fraction_of_way)
+      std::printf(" (%.2f %% of the way)", 100 * *score.end.fraction_of_way);
+    std::printf(", yaw off by %.2f degrees, ATE %.3f m\n", score.end.yaw_rad * 180 / M_PI,
+                score.ate_m.rmse);
+  }
+  const auto print_counts = [](const char* what,
+                               const std::optional<std::map<std::string, std::uint64_t>>& counts) {
+    if (!counts) return;
+    for (const auto& [name, count] : *counts) {
+      if (count > 0)
+        std::printf("%s: %s %llu\n", what, name.c_str(), static_cast<unsigned long long>(count));
+    }
+  };
+  print_counts("lost in transport", results.report.dropped);
+  print_counts("skipped for newer ones", results.report.skipped);
+  print_counts("restarted", results.report.restarts);
+  std::printf("results in %s: trajectory.tum, map.cairn, map.png, report.json\n", plan.out.c_str());
+}
+
+}  // namespace cairn::cli

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "evaluation/report.hpp"
+#include "evaluation/trajectory_score.hpp"
+#include "procs/cli/run_plan.hpp"
+#include "procs/cli/run_recorder.hpp"
+
+namespace cairn::cli {
+
+/// What a run came to.
+struct RunResults {
+  evaluation::Report report;
+  std::optional<evaluation::TrajectoryScore> score;  ///< where there is a truth
+  std::size_t frames = 0;
+};
+
+/// How a run ended, besides what was heard of it.
+struct RunEnd {
+  bool finished = false;
+  std::string reason;
+  bool latencies_count = false;  ///< host time was real
+  std::optional<double> realtime_factor;
+};
+
+/// Writes trajectory.tum, truth.tum, map.cairn, map.png and report.json into plan.out.
+[[nodiscard]] Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorder,
+                                               const RunEnd& end);
+
+/// The same for people, on standard output.
+void print_results(const RunPlan& plan, const RunResults& results);
+
+}  // namespace cairn::cli
