@@ -114,9 +114,8 @@ Bytes pack(std::span<const BrickClasses> bricks) {
     if (kind == kMixed) voxels.insert(voxels.end(), brick.classes.begin(), brick.classes.end());
   }
   Bytes packed{kVersion};
-  for (const Bytes* stream : {&kinds, &keys, &voxels}) {
-    append_stream(packed, *stream, Redundancy::kRepeated);
-  }
+  StreamWriter streams(packed, Redundancy::kRepeated);
+  for (const Bytes* stream : {&kinds, &keys, &voxels}) streams.append(*stream);
   return packed;
 }
 

@@ -6,33 +6,67 @@
 #include <cstdlib>
 #include <string>
 
+#include "messages/symbol_coding.hpp"
+
 namespace cairn::messages {
 namespace {
 
 constexpr std::uint8_t kVersion = 1;
-constexpr std::size_t kPreambleBytes = 5;  // version, columns, rows
+constexpr std::size_t kPreambleBytes = 9;  // version, columns, rows, bytes of the symbols
 constexpr std::uint8_t kValid = 4;
 constexpr std::uint8_t kMaxCode = 3;
-constexpr std::size_t kSymbols = 8;
-constexpr std::uint8_t kEscape = 255;
+constexpr std::uint8_t kLongNibble = 15;
+constexpr std::uint8_t kLongByte = 255;
 constexpr std::array<int, 3> kSpreadLimits_16ths{6, 16, 48};
 constexpr std::size_t kSpreads = kSpreadLimits_16ths.size() + 1;
 
-/// Everything that goes into zstd streams, in the order of packing.
-struct Streams {
-  Bytes same_as_above;                    ///< a bit a pair, low bit first
-  std::array<Bytes, kSymbols> pairs;      ///< by the symbol to the left: first | second << 3
-  std::array<Bytes, kSpreads> residuals;  ///< zigzag; kEscape: see escapes
-  Bytes escapes;                          ///< 16 bits, little end first
+/// Half bytes, low half first.
+class NibbleWriter {
+ public:
+  void put(std::uint8_t nibble) {
+    if (half_) {
+      bytes_.back() |= static_cast<std::uint8_t>(nibble << 4);
+    } else {
+      bytes_.push_back(nibble);
+    }
+    half_ = !half_;
+  }
+  [[nodiscard]] const Bytes& bytes() const { return bytes_; }
+
+ private:
+  Bytes bytes_;
+  bool half_ = false;
 };
 
-template <class S, class Visit>
-auto for_each_stream(S& streams, Visit visit) {
-  visit(streams.same_as_above, Redundancy::kRepeated);
-  for (auto& stream : streams.pairs) visit(stream, Redundancy::kSkewed);
-  for (auto& stream : streams.residuals) visit(stream, Redundancy::kSkewed);
-  visit(streams.escapes, Redundancy::kRepeated);
-}
+/// Reads half bytes or whole ones off the front; past the end come zeros and it is bad for good.
+class NibbleReader {
+ public:
+  explicit NibbleReader(Bytes bytes = {}) : bytes_(std::move(bytes)) {}
+
+  std::uint8_t nibble() {
+    if (next_ >= 2 * bytes_.size()) {
+      good_ = false;
+      return 0;
+    }
+    const std::uint8_t byte = bytes_[next_ / 2];
+    return next_++ % 2 == 0 ? byte & 15 : static_cast<std::uint8_t>(byte >> 4);
+  }
+  std::uint8_t byte() {
+    const std::uint8_t low = nibble();
+    return static_cast<std::uint8_t>(low | nibble() << 4);
+  }
+  /// Whether all was read, nothing beyond, and a half left over is zero.
+  [[nodiscard]] bool used_up() {
+    if (next_ % 2 != 0 && nibble() != 0) return false;
+    return good_ && next_ == 2 * bytes_.size();
+  }
+  [[nodiscard]] bool good() const { return good_; }
+
+ private:
+  Bytes bytes_;
+  std::size_t next_ = 0;
+  bool good_ = true;
+};
 
 /// What the neighbours that are already known say about a disparity.
 struct Prediction {
@@ -82,14 +116,7 @@ std::uint16_t unzigzag(std::uint16_t code) {
   return static_cast<std::uint16_t>((code >> 1) ^ ((code & 1) != 0 ? 0xffff : 0));
 }
 
-/// A copy with one zero around every row's ends and a row of zeros above, so that each point has
-/// its neighbours.
-template <class T>
-cv::Mat_<T> framed(int rows, int columns) {
-  return cv::Mat_<T>(rows + 1, columns + 3, T{0});  // pairs may reach one column further
-}
-
-cv::Mat_<std::uint8_t> symbols_of(const DisparityGrid& grid) {
+SymbolGrid symbols_of(const DisparityGrid& grid) {
   const int columns = grid.code.cols;
   auto symbols = framed<std::uint8_t>(grid.code.rows, columns);
   for (int row = 0; row < grid.code.rows; ++row) {
@@ -103,131 +130,94 @@ cv::Mat_<std::uint8_t> symbols_of(const DisparityGrid& grid) {
   return symbols;
 }
 
-void pack_symbols(const cv::Mat_<std::uint8_t>& symbols, int columns, Streams& streams) {
-  std::size_t pair_index = 0;
-  for (int row = 1; row < symbols.rows; ++row) {
-    const std::uint8_t* here = symbols[row] + 1;
-    const std::uint8_t* above = symbols[row - 1] + 1;
-    for (int column = 0; column < columns; column += 2, ++pair_index) {
-      if (pair_index % 8 == 0) streams.same_as_above.push_back(0);
-      if (here[column] == above[column] && here[column + 1] == above[column + 1]) {
-        streams.same_as_above.back() |= static_cast<std::uint8_t>(1U << (pair_index % 8));
-      } else {
-        streams.pairs[here[column - 1]].push_back(
-            static_cast<std::uint8_t>(here[column] | here[column + 1] << 3));
-      }
-    }
-  }
-}
+/// Prediction errors by spread, zigzag: below kLongNibble as a nibble; others as kLongNibble, with
+/// the rest in `longer` as a byte or, from kLongByte on, as kLongByte and 16 bits.
+struct Errors {
+  std::array<NibbleWriter, kSpreads> by_spread;
+  Bytes longer;
 
-void pack_disparities(const DisparityGrid& grid, Streams& streams) {
-  const int columns = grid.code.cols;
-  auto framed_grid = framed<std::uint16_t>(grid.code.rows, columns);
-  grid.disparity_16ths.copyTo(framed_grid(cv::Rect(1, 1, columns, grid.code.rows)));
-  for (int r = 1; r < framed_grid.rows; ++r) {
-    const std::uint16_t* row = framed_grid[r] + 1;
-    const std::uint16_t* above = framed_grid[r - 1] + 1;
+  void put(std::size_t spread, std::uint16_t error) {
+    by_spread[spread].put(static_cast<std::uint8_t>(std::min<int>(error, kLongNibble)));
+    if (error < kLongNibble) return;
+    const int rest = error - kLongNibble;
+    longer.push_back(static_cast<std::uint8_t>(std::min<int>(rest, kLongByte)));
+    if (rest < kLongByte) return;
+    longer.push_back(static_cast<std::uint8_t>(rest));
+    longer.push_back(static_cast<std::uint8_t>(rest >> 8));
+  }
+};
+
+struct ErrorReader {
+  std::array<NibbleReader, kSpreads> by_spread;
+  NibbleReader longer;
+
+  std::uint16_t next(std::size_t spread) {
+    const std::uint8_t nibble = by_spread[spread].nibble();
+    if (nibble < kLongNibble) return nibble;
+    int rest = longer.byte();
+    if (rest == kLongByte) {
+      rest = longer.byte();
+      rest |= longer.byte() << 8;
+    }
+    return static_cast<std::uint16_t>(kLongNibble + rest);
+  }
+  [[nodiscard]] bool used_up() {
+    bool all = longer.used_up();
+    for (NibbleReader& reader : by_spread) all = reader.used_up() && all;
+    return all;
+  }
+};
+
+Errors prediction_errors(const cv::Mat_<std::uint16_t>& disparity_16ths) {
+  const int columns = disparity_16ths.cols;
+  auto grid = framed<std::uint16_t>(disparity_16ths.rows, columns);
+  disparity_16ths.copyTo(grid(cv::Rect(1, 1, columns, disparity_16ths.rows)));
+  Errors errors;
+  for (int r = 1; r < grid.rows; ++r) {
+    const std::uint16_t* row = grid[r] + 1;
+    const std::uint16_t* above = grid[r - 1] + 1;
     for (int column = 0; column < columns; ++column) {
       if (row[column] == 0) continue;
       const Prediction prediction = predict(row, above, column);
-      const std::uint16_t code =
-          zigzag(static_cast<std::uint16_t>(row[column] - prediction.value_16ths));
-      streams.residuals[prediction.spread].push_back(
-          static_cast<std::uint8_t>(std::min<int>(code, kEscape)));
-      if (code >= kEscape) {
-        streams.escapes.push_back(static_cast<std::uint8_t>(code));
-        streams.escapes.push_back(static_cast<std::uint8_t>(code >> 8));
-      }
+      errors.put(prediction.spread,
+                 zigzag(static_cast<std::uint16_t>(row[column] - prediction.value_16ths)));
     }
   }
+  return errors;
 }
 
-/// Takes bytes off the front of a stream; remembers whether there were too few.
-class Front {
- public:
-  explicit Front(const Bytes& bytes) : bytes_(&bytes) {}
-  [[nodiscard]] bool empty() const { return next_ == bytes_->size(); }
-  std::uint8_t take() { return (*bytes_)[next_++]; }
-
- private:
-  const Bytes* bytes_;
-  std::size_t next_ = 0;
-};
-
-template <std::size_t N>
-std::array<Front, N> fronts(const std::array<Bytes, N>& streams) {
-  return [&]<std::size_t... I>(std::index_sequence<I...>) {
-    return std::array<Front, N>{Front(streams[I])...};
-  }
-  (std::make_index_sequence<N>());
-}
-
-template <std::size_t N>
-bool all_empty(const std::array<Front, N>& all) {
-  return std::all_of(all.begin(), all.end(), [](const Front& front) { return front.empty(); });
-}
-
-Result<cv::Mat_<std::uint8_t>> unpack_symbols(const Streams& streams, int rows, int columns) {
-  auto symbols = framed<std::uint8_t>(rows, columns);
-  const std::size_t pairs_a_row = (static_cast<std::size_t>(columns) + 1) / 2;
-  if (streams.same_as_above.size() != (pairs_a_row * static_cast<std::size_t>(rows) + 7) / 8) {
-    return fail("packed codes do not fill the grid");
-  }
-  auto pairs = fronts(streams.pairs);
-  std::size_t pair_index = 0;
-  for (int row = 1; row <= rows; ++row) {
-    std::uint8_t* here = symbols[row] + 1;
-    const std::uint8_t* above = symbols[row - 1] + 1;
-    for (int column = 0; column < columns; column += 2, ++pair_index) {
-      if ((streams.same_as_above[pair_index / 8] >> (pair_index % 8) & 1) != 0) {
-        here[column] = above[column];
-        here[column + 1] = above[column + 1];
-        continue;
-      }
-      Front& front = pairs[here[column - 1]];
-      if (front.empty()) return fail("packed codes end too early");
-      const std::uint8_t pair = front.take();
-      if (pair >= kSymbols * kSymbols) return fail("a packed pair of codes is out of range");
-      here[column] = pair & 7;
-      here[column + 1] = static_cast<std::uint8_t>(pair >> 3);
-    }
-    if (columns % 2 != 0 && here[columns] != 0) return fail("a packed code is beyond the grid");
-  }
-  if (!all_empty(pairs)) return fail("more packed codes than grid points");
-  return symbols;
-}
-
-Result<cv::Mat_<std::uint16_t>> unpack_disparities(const Streams& streams,
-                                                   const cv::Mat_<std::uint8_t>& symbols,
-                                                   int columns) {
-  auto disparities = framed<std::uint16_t>(symbols.rows - 1, columns);
-  auto residuals = fronts(streams.residuals);
-  Front escapes(streams.escapes);
+Result<cv::Mat_<std::uint16_t>> restore(ErrorReader& errors, const SymbolGrid& symbols,
+                                        int columns) {
+  auto grid = framed<std::uint16_t>(symbols.rows - 1, columns);
   for (int r = 1; r < symbols.rows; ++r) {
     const std::uint8_t* symbol = symbols[r] + 1;
-    std::uint16_t* row = disparities[r] + 1;
-    const std::uint16_t* above = disparities[r - 1] + 1;
+    std::uint16_t* row = grid[r] + 1;
+    const std::uint16_t* above = grid[r - 1] + 1;
     for (int column = 0; column < columns; ++column) {
       if ((symbol[column] & kValid) == 0) continue;
       const Prediction prediction = predict(row, above, column);
-      Front& front = residuals[prediction.spread];
-      if (front.empty()) return fail("packed disparities end too early");
-      std::uint16_t code = front.take();
-      if (code == kEscape) {
-        if (streams.escapes.size() % 2 != 0 || escapes.empty()) {
-          return fail("packed disparities end too early");
-        }
-        code = escapes.take();
-        code = static_cast<std::uint16_t>(code | escapes.take() << 8);
-      }
-      row[column] = static_cast<std::uint16_t>(prediction.value_16ths + unzigzag(code));
+      row[column] = static_cast<std::uint16_t>(prediction.value_16ths +
+                                               unzigzag(errors.next(prediction.spread)));
       if (row[column] == 0) return fail("a valid grid point has the packed disparity 0");
     }
   }
-  if (!all_empty(residuals) || !escapes.empty()) {
-    return fail("more packed disparities than valid grid points");
+  if (!errors.used_up()) return fail("packed disparities are too few or too many");
+  return grid;
+}
+
+Result<ErrorReader> read_errors(std::span<const std::uint8_t> packed, std::size_t points) {
+  StreamReader streams(packed, 4 * points + kSpreads);
+  ErrorReader errors;
+  for (NibbleReader& reader : errors.by_spread) {
+    auto stream = streams.next();
+    if (!stream) return fail(stream.error().message);
+    reader = NibbleReader(std::move(*stream));
   }
-  return disparities;
+  auto longer = streams.next();
+  if (!longer) return fail(longer.error().message);
+  errors.longer = NibbleReader(std::move(*longer));
+  if (!streams.at_end()) return fail("bytes after the end of the packed grid");
+  return errors;
 }
 
 bool size_in_range(int rows, int columns) {
@@ -239,9 +229,14 @@ std::string size_text(int rows, int columns) {
   return std::to_string(columns) + "x" + std::to_string(rows);
 }
 
-void append_16(Bytes& bytes, int value) {
-  bytes.push_back(static_cast<std::uint8_t>(value));
-  bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+void append_number(Bytes& bytes, std::size_t value, int size) {
+  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+}
+
+std::size_t number_at(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size) {
+  std::size_t value = 0;
+  for (std::size_t i = 0; i < size; ++i) value |= std::size_t{bytes[at + i]} << (8 * i);
+  return value;
 }
 
 }  // namespace
@@ -256,15 +251,16 @@ Result<Bytes> pack(const DisparityGrid& grid) {
   cv::minMaxLoc(grid.code, nullptr, &largest_code);
   if (largest_code > kMaxCode) return fail("a code is over 3");
 
-  Streams streams;
-  pack_symbols(symbols_of(grid), columns, streams);
-  pack_disparities(grid, streams);
+  const Bytes symbols = encode_symbols(symbols_of(grid));
+  const Errors errors = prediction_errors(grid.disparity_16ths);
   Bytes packed{kVersion};
-  append_16(packed, columns);
-  append_16(packed, rows);
-  for_each_stream(streams, [&](const Bytes& stream, Redundancy redundancy) {
-    append_stream(packed, stream, redundancy);
-  });
+  append_number(packed, static_cast<std::size_t>(columns), 2);
+  append_number(packed, static_cast<std::size_t>(rows), 2);
+  append_number(packed, symbols.size(), 4);
+  packed.insert(packed.end(), symbols.begin(), symbols.end());
+  StreamWriter streams(packed, Redundancy::kSkewed);
+  for (const NibbleWriter& writer : errors.by_spread) streams.append(writer.bytes());
+  streams.append(errors.longer);
   return packed;
 }
 
@@ -274,31 +270,21 @@ Result<DisparityGrid> unpack(std::span<const std::uint8_t> packed, int rows, int
     return fail("packed in version " + std::to_string(packed[0]) + ", this program knows " +
                 std::to_string(kVersion));
   }
-  const int packed_columns = packed[1] | packed[2] << 8;
-  const int packed_rows = packed[3] | packed[4] << 8;
+  const auto packed_columns = static_cast<int>(number_at(packed, 1, 2));
+  const auto packed_rows = static_cast<int>(number_at(packed, 3, 2));
   if (packed_columns != columns || packed_rows != rows || !size_in_range(rows, columns)) {
     return fail("packed grid is " + size_text(packed_rows, packed_columns) + ", message says " +
                 size_text(rows, columns));
   }
+  const std::size_t symbol_bytes = number_at(packed, 5, 4);
+  if (symbol_bytes > packed.size() - kPreambleBytes) return fail("packed bytes end too early");
   const std::size_t points = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
-  StreamReader reader(packed.subspan(kPreambleBytes), 4 * points + 1);
-  Streams streams;
-  Result<void> read;
-  for_each_stream(streams, [&](Bytes& stream, Redundancy) {
-    if (!read) return;
-    auto bytes = reader.next();
-    if (bytes) {
-      stream = std::move(*bytes);
-    } else {
-      read = fail(bytes.error().message);
-    }
-  });
-  if (!read) return fail(read.error().message);
-  if (!reader.at_end()) return fail("bytes after the end of the packed grid");
+  auto errors = read_errors(packed.subspan(kPreambleBytes + symbol_bytes), points);
+  if (!errors) return fail(errors.error().message);
 
-  const auto symbols = unpack_symbols(streams, rows, columns);
+  const auto symbols = decode_symbols(packed.subspan(kPreambleBytes, symbol_bytes), rows, columns);
   if (!symbols) return fail(symbols.error().message);
-  const auto disparities = unpack_disparities(streams, *symbols, columns);
+  const auto disparities = restore(*errors, *symbols, columns);
   if (!disparities) return fail(disparities.error().message);
   const cv::Rect inside(1, 1, columns, rows);
   DisparityGrid grid;

@@ -20,14 +20,14 @@ struct DisparityGrid {
 inline constexpr int kMaxGridSide = 4096;
 inline constexpr int kMaxGridPoints = 1 << 22;
 
-/// Packs without loss. Validity and code are one symbol of three bits; a pair of symbols equal to
-/// the pair above costs one bit, others are sorted by their left neighbour. A disparity is
-/// predicted from its left, upper and upper left neighbours (median of Martucci 1990, as in LOCO-I,
-/// Weinberger et al. 2000) and the error sorted by how much they differ. Each sort is a zstd stream
-/// of its own. Refuses a code over 3 and sizes beyond the limits.
+/// Packs without loss. Validity and code are one symbol of three bits, range-coded in the context
+/// of its neighbours. A disparity is predicted from its left, upper and upper left neighbours
+/// (median of Martucci 1990, as in LOCO-I, Weinberger et al. 2000); the errors are sorted by how
+/// much the neighbours differ, two to a byte, each sort through zstd. Refuses a code over 3 and
+/// sizes beyond the limits.
 [[nodiscard]] Result<Bytes> pack(const DisparityGrid& grid);
 
-/// Refuses bytes that pack cannot have written and a grid that is not rows x columns.
+/// Refuses bytes that do not give a grid of rows x columns, no more and no less.
 [[nodiscard]] Result<DisparityGrid> unpack(std::span<const std::uint8_t> packed, int rows,
                                            int columns);
 

@@ -3,10 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/result.hpp"
+
+struct ZSTD_CCtx_s;
+struct ZSTD_DCtx_s;
 
 namespace cairn::messages {
 
@@ -18,23 +22,37 @@ enum class Redundancy {
   kRepeated,  ///< repetitions
 };
 
-/// Appends `raw` to `packed` as a stream: two sizes of 32 bits, little end first, then a zstd
-/// frame.
-void append_stream(Bytes& packed, std::span<const std::uint8_t> raw, Redundancy redundancy);
+/// Appends streams to `packed`, each as one zstd frame.
+class StreamWriter {
+ public:
+  StreamWriter(Bytes& packed, Redundancy redundancy);
 
-/// Reads what append_stream wrote, stream after stream. All streams together unpack to at most
+  void append(std::span<const std::uint8_t> raw);
+
+ private:
+  struct Free {
+    void operator()(ZSTD_CCtx_s* context) const;
+  };
+  Bytes& packed_;
+  std::unique_ptr<ZSTD_CCtx_s, Free> context_;
+};
+
+/// Reads what a StreamWriter wrote, stream after stream. All streams together unpack to at most
 /// `limit_bytes`; a stream that says more is refused before memory is taken for it.
 class StreamReader {
  public:
-  StreamReader(std::span<const std::uint8_t> packed, std::size_t limit_bytes)
-      : packed_(packed), limit_bytes_(limit_bytes) {}
+  StreamReader(std::span<const std::uint8_t> packed, std::size_t limit_bytes);
 
   [[nodiscard]] Result<Bytes> next();
   [[nodiscard]] bool at_end() const { return packed_.empty(); }
 
  private:
+  struct Free {
+    void operator()(ZSTD_DCtx_s* context) const;
+  };
   std::span<const std::uint8_t> packed_;
   std::size_t limit_bytes_;
+  std::unique_ptr<ZSTD_DCtx_s, Free> context_;
 };
 
 }  // namespace cairn::messages
