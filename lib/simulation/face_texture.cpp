@@ -2,7 +2,7 @@
 #include "simulation/face_texture.hpp"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
@@ -18,7 +18,7 @@ constexpr double kJointWidth_m = 0.006;
 constexpr double kOctaveFade = 0.75;
 /// Variance of uniform noise on [-1, 1], bilinearly interpolated: 1/3 * (2/3)^2.
 constexpr double kLatticeVariance = 4.0 / 27.0;
-constexpr int kMaxTaps = 6;
+constexpr int kMaxTaps = 4;
 
 /// Row `index` of a random lattice, interpolated to `cols` texels.
 std::vector<float> lattice_row(std::uint64_t seed, std::int64_t index, double cell_texels, int cols,
@@ -194,11 +194,10 @@ float FaceTexture::sample(float s_m, float t_m, float minor_m, float major_m, fl
                           float along_t) const {
   const int taps = std::clamp(static_cast<int>(major_m / minor_m + 0.5F), 1, kMaxTaps);
   const float width_m = std::max(minor_m, major_m / static_cast<float>(kMaxTaps));
-  const auto finest = static_cast<float>(texel_m);
-  const int level = std::clamp(std::ilogb(std::max(1.0F, 1.42F * width_m / finest)), 0,
-                               static_cast<int>(levels.size()) - 1);
-  const cv::Mat_<std::uint8_t>& image = levels[static_cast<std::size_t>(level)];
-  const float per_m = 1.0F / std::ldexp(finest, level);
+  const float texels = std::clamp(1.42F * width_m * levels.front().texels_per_m, 1.0F, 65536.0F);
+  const std::size_t level =
+      std::min<std::size_t>(std::bit_width(static_cast<unsigned>(texels)), levels.size()) - 1;
+  const auto& [image, per_m] = levels[level];
   const float step_m = major_m / static_cast<float>(taps);
   float sum = 0;
   for (int tap = 0; tap < taps; ++tap) {
@@ -211,17 +210,21 @@ float FaceTexture::sample(float s_m, float t_m, float minor_m, float major_m, fl
 
 FaceTexture bake_texture(const World& world, const Face& face, const Material& material,
                          std::uint64_t seed) {
-  FaceTexture texture;
-  texture.texel_m = std::max(kTexel_m, std::max(face.size_s_m, face.size_t_m) / kMaxTexels);
+  const double texel_m = std::max(kTexel_m, std::max(face.size_s_m, face.size_t_m) / kMaxTexels);
   const auto texels = [&](double size_m) {
-    return std::max(1, static_cast<int>(std::ceil(size_m / texture.texel_m)));
+    return std::max(1, static_cast<int>(std::ceil(size_m / texel_m)));
   };
   cv::Mat_<float> relative(texels(face.size_t_m), texels(face.size_s_m), 0.0F);
-  add_noise(relative, material, texture.texel_m, hash64(seed, 1));
-  add_patches(relative, material, texture.texel_m, hash64(seed, 2));
-  add_joints(relative, material, texture.texel_m);
-  texture.levels.push_back(lit(relative, world, face, material, texture.texel_m));
-  while (texture.levels.back().total() > 1) texture.levels.push_back(halved(texture.levels.back()));
+  add_noise(relative, material, texel_m, hash64(seed, 1));
+  add_patches(relative, material, texel_m, hash64(seed, 2));
+  add_joints(relative, material, texel_m);
+  FaceTexture texture;
+  texture.levels.push_back(
+      {lit(relative, world, face, material, texel_m), static_cast<float>(1 / texel_m)});
+  while (texture.levels.back().grey.total() > 1) {
+    const FaceTexture::Level& finer = texture.levels.back();
+    texture.levels.push_back({halved(finer.grey), 0.5F * finer.texels_per_m});
+  }
   return texture;
 }
 

@@ -12,8 +12,11 @@ namespace cairn::simulation {
 
 /// The picture on a face, lit: grey values 0 to 255, in halving sizes (Williams 1983).
 struct FaceTexture {
-  double texel_m = 0;  ///< of the finest level
-  std::vector<cv::Mat_<std::uint8_t>> levels;
+  struct Level {
+    cv::Mat_<std::uint8_t> grey;
+    float texels_per_m;
+  };
+  std::vector<Level> levels;  ///< from the finest to a single texel
 
   /// Mean grey value around (s, t) [m] of a spot `minor_m` wide and `major_m` long along the
   /// direction (along_s, along_t), which has unit length.

@@ -68,7 +68,10 @@ class Observer {
       const double range_m = along * direction.norm();
       if (!(range_m >= config_.min_range_m && range_m <= config_.max_range_m)) continue;
       const Cell cell = cell_at(found[i], face, left_m + along * direction, config_.spacing_m);
-      if (seen_.contains(cell.key) || !right_sees(T_world_right, cell.middle_m)) continue;
+      if (seen_.contains(cell.key) || !scene_.sees(left_m, cell.middle_m) ||
+          !right_sees(T_world_right, cell.middle_m)) {
+        continue;
+      }
       seen_.insert(cell.key);
       points_m_.push_back(cell.middle_m);
     }

@@ -5,12 +5,12 @@
 #include <numeric>
 #include <sstream>
 
-#include "temporary_folder.hpp"
+#include "evaluation/temporary_files.hpp"
 
 namespace cairn::evaluation {
 namespace {
 
-class ReportFile : public TemporaryFolder {};
+class ReportFile : public TemporaryFiles {};
 
 TEST(Percentiles, ByHand) {
   std::vector<double> hundred(100);
@@ -30,7 +30,8 @@ TEST(Report, WhatWasNotMeasuredIsNull) {
   EXPECT_EQ(to_json(Report{}).dump(),
             R"({"finished":false,"reason":"","mode":"full","coverage":null,)"
             R"("trajectory":{"length_m":null,"ate_rmse_m":null,"final_ate_rmse_m":null,)"
-            R"("odometry_ate_rmse_m":null,"rpe_1m":null},)"
+            R"("odometry_ate_rmse_m":null,"rpe_1m":null,"end_error_m":null,)"
+            R"("end_error_fraction":null,"end_yaw_error_rad":null},)"
             R"("map":{"resolution_m":null,"tolerance_m":null,"precision":null,"recall":null,)"
             R"("iou":null,"false_free_rate":null,"bytes":null},)"
             R"("latency_ms":{"frame_to_pose":null,"frame_to_correction":null,"frame_to_map":null},)"

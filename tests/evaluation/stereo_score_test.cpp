@@ -5,16 +5,16 @@
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
-#include "corruption.hpp"
 #include "data_folder.hpp"
-#include "temporary_folder.hpp"
+#include "evaluation/corruption.hpp"
+#include "evaluation/temporary_files.hpp"
 
 namespace cairn::evaluation {
 namespace {
 
 using Image = cv::Mat_<float>;
 
-class DisparityFile : public TemporaryFolder {};
+class DisparityFile : public TemporaryFiles {};
 
 /// Ten pixels in a row: eight with truth, six of them answered, with errors 0.5, 1, 1.5, 2.5, 4 and
 /// 8 px.

@@ -7,14 +7,14 @@
 #include <random>
 #include <sstream>
 
-#include "corruption.hpp"
 #include "data_folder.hpp"
-#include "temporary_folder.hpp"
+#include "evaluation/corruption.hpp"
+#include "evaluation/temporary_files.hpp"
 
 namespace cairn::evaluation {
 namespace {
 
-class TrajectoryFile : public TemporaryFolder {};
+class TrajectoryFile : public TemporaryFiles {};
 
 Isometry pose(double x_m, double y_m, double z_m, double roll, double pitch, double yaw) {
   Isometry T = Isometry::Identity();
