@@ -30,7 +30,7 @@ class LiveGroup {
         clock_{clock},
         node_("replay", bus, clock, {}, std::random_device{}()) {}
 
-  Result<RunResults> run() {
+  Result<RunResults> run(const ScoreMap& score_map) {
     auto recorder = RunRecorder::create(node_, plan_.out / "recording.lcmlog", plan_.record_all);
     if (!recorder) return tl::make_unexpected(recorder.error());
     recorder_ = std::move(*recorder);
@@ -51,7 +51,7 @@ class LiveGroup {
           static_cast<double>(trajectory.back().utime - trajectory.front().utime) /
           static_cast<double>(end_us - begin_us);
     }
-    return write_results(plan_, *recorder_, end);
+    return write_results(plan_, *recorder_, end, score_map);
   }
 
  private:
@@ -154,13 +154,13 @@ class LiveGroup {
 
 }  // namespace
 
-Result<RunResults> run_live(const RunPlan& plan) {
+Result<RunResults> run_live(const RunPlan& plan, const ScoreMap& score_map) {
   std::error_code error;
   std::filesystem::create_directories(plan.out / "log", error);
   const auto bus = bus::open_bus(plan.lcm_url);
   if (!bus) return tl::make_unexpected(bus.error());
   const bus::SteadyClock clock;
-  return LiveGroup(plan, **bus, clock).run();
+  return LiveGroup(plan, **bus, clock).run(score_map);
 }
 
 }  // namespace cairn::cli

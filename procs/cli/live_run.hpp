@@ -9,6 +9,6 @@ namespace cairn::cli {
 /// Runs the recording through live processes over UDP: starts stereo, odometry and mapper, waits
 /// until each has been heard, plays the source at plan.speed, waits until its last frame is worked
 /// off, stops them, reports. What a process prints lands in plan.out/log/PROCESS.log.
-[[nodiscard]] Result<RunResults> run_live(const RunPlan& plan);
+[[nodiscard]] Result<RunResults> run_live(const RunPlan& plan, const ScoreMap& score_map = {});
 
 }  // namespace cairn::cli

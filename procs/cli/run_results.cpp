@@ -41,17 +41,44 @@ Result<evaluation::Trajectory> truth_of(const RunPlan& plan,
   return read_body_truth(plan.truth, plan.truth_format, plan.truth_frame, times, T_body_left);
 }
 
-Result<void> write_map_picture(const RunPlan& plan, const evaluation::Trajectory& trajectory,
+Result<void> write_map_picture(const RunPlan& plan, const mapping::VoxelMap& map,
+                               const evaluation::Trajectory& trajectory,
                                const evaluation::Trajectory& truth) {
-  const auto loaded = mapping::load_map(plan.out / "map.cairn", {});
-  if (!loaded) return tl::make_unexpected(loaded.error());
   mapping::TopDownOverlay overlay;
   overlay.perceived_path = positions_of(trajectory);
   overlay.true_path = positions_of(truth);
   if (!trajectory.empty()) overlay.T_map_body = trajectory.back().T;
   std::vector<std::uint8_t> png;
-  cv::imencode(".png", mapping::render_top_down(loaded->map, overlay), png);
+  cv::imencode(".png", mapping::render_top_down(map, overlay), png);
   return write_file_atomically(plan.out / "map.png", png);
+}
+
+// Copies the map out of the mapper's state folder, draws it, and has it scored.
+Result<evaluation::MapReport> write_map(const RunPlan& plan,
+                                        const evaluation::Trajectory& trajectory,
+                                        const evaluation::Trajectory& truth,
+                                        const Isometry& T_truth_map, const ScoreMap& score_map) {
+  const std::filesystem::path saved = state_of(plan, "mapper") / "map.cairn";
+  if (!std::filesystem::exists(saved)) return evaluation::MapReport{};
+  const auto bytes = read_file(saved);
+  if (!bytes) return tl::make_unexpected(bytes.error());
+  if (auto copied = write_file_atomically(plan.out / "map.cairn", *bytes); !copied) {
+    return tl::make_unexpected(copied.error());
+  }
+  const auto loaded = mapping::decode_map(*bytes, saved, {});
+  if (!loaded) return tl::make_unexpected(loaded.error());
+  if (auto drawn = write_map_picture(plan, loaded->map, trajectory, truth); !drawn) {
+    return tl::make_unexpected(drawn.error());
+  }
+  evaluation::MapReport report;
+  if (score_map) {
+    auto scored = score_map(loaded->map, T_truth_map);
+    if (!scored) return scored;
+    report = *scored;
+  }
+  report.resolution_m = loaded->map.resolution_m();
+  report.bytes = loaded->map.bytes();
+  return report;
 }
 
 void fill(evaluation::Report& report, const RunRecorder& recorder, const RunEnd& end) {
@@ -80,7 +107,7 @@ void fill(evaluation::TrajectoryReport& report, const evaluation::TrajectoryScor
 }  // namespace
 
 Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorder,
-                                 const RunEnd& end) {
+                                 const RunEnd& end, const ScoreMap& score_map) {
   RunResults results;
   const evaluation::Trajectory& trajectory = recorder.trajectory();
   results.frames = trajectory.size();
@@ -101,17 +128,11 @@ Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorde
     fill(results.report.trajectory, *score);
     results.score = std::move(*score);
   }
-  const std::filesystem::path saved = state_of(plan, "mapper") / "map.cairn";
-  if (std::filesystem::exists(saved)) {
-    const auto bytes = read_file(saved);
-    if (!bytes) return tl::make_unexpected(bytes.error());
-    if (auto copied = write_file_atomically(plan.out / "map.cairn", *bytes); !copied) {
-      return tl::make_unexpected(copied.error());
-    }
-    if (auto drawn = write_map_picture(plan, trajectory, truth); !drawn) {
-      return tl::make_unexpected(drawn.error());
-    }
-  }
+  auto map =
+      write_map(plan, trajectory, truth,
+                results.score ? results.score->T_truth_estimate : Isometry::Identity(), score_map);
+  if (!map) return tl::make_unexpected(map.error());
+  results.report.map = *map;
   if (auto written = evaluation::write_report(plan.out / "report.json", results.report); !written) {
     return tl::make_unexpected(written.error());
   }
@@ -127,6 +148,14 @@ void print_results(const RunPlan& plan, const RunResults& results) {
       std::printf(" (%.2f %% of the way)", 100 * *score.end.fraction_of_way);
     std::printf(", yaw off by %.2f degrees, ATE %.3f m\n", score.end.yaw_rad * 180 / M_PI,
                 score.ate_m.rmse);
+  }
+  const evaluation::MapReport& map = results.report.map;
+  if (map.precision && map.recall && map.tolerance_m) {
+    std::printf(
+        "map of %.0f mm voxels: %.1f %% of what it holds is true, %.1f %% of what was in view is "
+        "in it (within %.0f mm)\n",
+        1000 * map.resolution_m.value_or(0), 100 * *map.precision, 100 * *map.recall,
+        1000 * *map.tolerance_m);
   }
   const auto print_counts = [](const char* what,
                                const std::optional<std::map<std::string, std::uint64_t>>& counts) {

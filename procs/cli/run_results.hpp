@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "evaluation/report.hpp"
 #include "evaluation/trajectory_score.hpp"
+#include "mapping/voxel_map.hpp"
 #include "procs/cli/run_plan.hpp"
 #include "procs/cli/run_recorder.hpp"
 
@@ -27,9 +29,13 @@ struct RunEnd {
   std::optional<double> realtime_factor;
 };
 
+/// Scores the map of a run; `T_truth_map` lays it over the truth. Only what is measured is set.
+using ScoreMap = std::function<Result<evaluation::MapReport>(const mapping::VoxelMap& map,
+                                                             const Isometry& T_truth_map)>;
+
 /// Writes trajectory.tum, truth.tum, map.cairn, map.png and report.json into plan.out.
 [[nodiscard]] Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorder,
-                                               const RunEnd& end);
+                                               const RunEnd& end, const ScoreMap& score_map = {});
 
 /// The same for people, on standard output.
 void print_results(const RunPlan& plan, const RunResults& results);
