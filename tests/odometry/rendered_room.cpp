@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "odometry/rendered_room.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +14,28 @@ namespace {
 const Eigen::Vector3d kLow_m{-3, -2.5, 0};
 const Eigen::Vector3d kHigh_m{3, 2.5, 2.5};
 constexpr double kFeature_m = 0.03;
+constexpr double kTexel_m = 0.005;
+
+/// The paper on one face: grey values at the corners of a 5 mm grid, linear in between.
+cv::Mat_<float> make_paper(int face) {
+  const int axis = face / 2;
+  const Eigen::Vector3d size_m = kHigh_m - kLow_m;
+  cv::Mat_<float> paper(static_cast<int>(size_m[(axis + 2) % 3] / kTexel_m) + 2,
+                        static_cast<int>(size_m[(axis + 1) % 3] / kTexel_m) + 2);
+  const std::uint64_t seed = 100 + 10 * static_cast<std::uint64_t>(face);
+  for (int j = 0; j < paper.rows; ++j) {
+    for (int i = 0; i < paper.cols; ++i) {
+      paper(j, i) = static_cast<float>(surface_grey(i * kTexel_m, j * kTexel_m, kFeature_m, seed));
+    }
+  }
+  return paper;
+}
+
+const cv::Mat_<float>& paper_of(int face) {
+  static const std::array<cv::Mat_<float>, 6> papers{make_paper(0), make_paper(1), make_paper(2),
+                                                     make_paper(3), make_paper(4), make_paper(5)};
+  return papers[static_cast<std::size_t>(face)];
+}
 
 /// The grey value where the ray first meets the room's wall, floor or ceiling.
 double grey_along(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction) {
@@ -26,10 +50,15 @@ double grey_along(const Eigen::Vector3d& from_m, const Eigen::Vector3d& directio
       face = 2 * axis + (high ? 1 : 0);
     }
   }
-  const Eigen::Vector3d at_m = from_m + nearest * direction;
-  const int axis = face / 2;
-  return surface_grey(at_m[(axis + 1) % 3], at_m[(axis + 2) % 3], kFeature_m,
-                      100 + static_cast<std::uint64_t>(10 * face));
+  const Eigen::Vector3d at = (from_m + nearest * direction - kLow_m) / kTexel_m;
+  const double x = at[(face / 2 + 1) % 3];
+  const double y = at[(face / 2 + 2) % 3];
+  const cv::Mat_<float>& paper = paper_of(face);
+  const int i = std::clamp(static_cast<int>(x), 0, paper.cols - 2);
+  const int j = std::clamp(static_cast<int>(y), 0, paper.rows - 2);
+  const auto grey = [&](int row, int col) { return static_cast<double>(paper(row, col)); };
+  return std::lerp(std::lerp(grey(j, i), grey(j, i + 1), x - i),
+                   std::lerp(grey(j + 1, i), grey(j + 1, i + 1), x - i), y - j);
 }
 
 cv::Mat render(const stereo::RectifiedCamera& camera, double cx_px, const Isometry& T_room_camera) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
@@ -21,39 +22,37 @@ constexpr Utime kFrame_us = 66'667;
 struct Step {
   cv::Mat left;
   cv::Mat right;
-  Isometry T_room_body;
 };
 
-/// 0.3 m/s forward while turning by 0.3 rad/s, as seen at 15 Hz with noise of two grey levels.
-/// Rendered once.
-const std::vector<Step>& drive() {
-  static const std::vector<Step> steps = [] {
-    const auto camera = robot_camera();
-    Twist twist = Twist::Zero();
-    twist[0] = 0.3;
-    twist[5] = 0.3;
-    std::vector<Step> result;
-    for (int i = 0; i < 30; ++i) {
-      Isometry start = Isometry::Identity();
-      start.translation() = Eigen::Vector3d(-1.5, -0.5, 0);
-      const Isometry T = start * motion_of(twist, i * to_seconds(kFrame_us));
-      const auto seed = static_cast<std::uint64_t>(2 * i);
-      result.push_back({testing::with_noise(RenderedRoom::left(camera, T), 2, seed),
-                        testing::with_noise(RenderedRoom::right(camera, T), 2, seed + 1), T});
-    }
-    return result;
-  }();
-  return steps;
+constexpr std::size_t kFrames = 30;
+
+/// 0.3 m/s forward while turning by 0.3 rad/s.
+Isometry room_pose(std::size_t i) {
+  Twist twist = Twist::Zero();
+  twist[0] = 0.3;
+  twist[5] = 0.3;
+  return Eigen::Translation3d(-1.5, -0.5, 0) *
+         motion_of(twist, static_cast<double>(i) * to_seconds(kFrame_us));
+}
+
+/// What is seen there at 15 Hz, with noise of two grey levels. Rendered once.
+const Step& drive(std::size_t i) {
+  static std::array<Step, kFrames> steps;
+  Step& step = steps[i];
+  if (step.left.empty()) {
+    step.left = testing::with_noise(RenderedRoom::left(robot_camera(), room_pose(i)), 2, 2 * i);
+    step.right =
+        testing::with_noise(RenderedRoom::right(robot_camera(), room_pose(i)), 2, 2 * i + 1);
+  }
+  return step;
 }
 
 Utime time_of(std::size_t i) { return 1'000'000 + static_cast<Utime>(i) * kFrame_us; }
 
-Isometry true_pose(std::size_t i) {
-  return drive().front().T_room_body.inverse() * drive()[i].T_room_body;
-}
+Isometry true_pose(std::size_t i) { return room_pose(0).inverse() * room_pose(i); }
 
 OdometryEstimate feed(StereoOdometry& odometry, std::size_t i) {
-  auto estimate = odometry.update(drive()[i].left, drive()[i].right, robot_camera(), time_of(i));
+  auto estimate = odometry.update(drive(i).left, drive(i).right, robot_camera(), time_of(i));
   EXPECT_TRUE(estimate) << (estimate ? "" : estimate.error().message);
   return *estimate;
 }
@@ -69,7 +68,7 @@ void expect_finite(const OdometryEstimate& estimate) {
 TEST(StereoOdometry, FollowsAKnownMotion) {
   StereoOdometry odometry{StereoOdometryConfig{}};
   OdometryEstimate estimate;
-  for (std::size_t i = 0; i < drive().size(); ++i) {
+  for (std::size_t i = 0; i < kFrames; ++i) {
     estimate = feed(odometry, i);
     expect_finite(estimate);
     EXPECT_FALSE(estimate.coasting);
@@ -81,7 +80,7 @@ TEST(StereoOdometry, FollowsAKnownMotion) {
     EXPECT_NEAR(estimate.twist[0], 0.3, 0.05) << i;
     EXPECT_NEAR(estimate.twist[5], 0.3, 0.03) << i;
   }
-  const Isometry error = true_pose(drive().size() - 1).inverse() * estimate.T_odom_body;
+  const Isometry error = true_pose(kFrames - 1).inverse() * estimate.T_odom_body;
   const double way_m = 0.3 * to_seconds(kFrame_us) * 29;
   std::printf("rendered room, %.2f m: end %.1f mm (%.2f %%), %.3f degrees off\n", way_m,
               1000 * error.translation().norm(), 100 * error.translation().norm() / way_m,
@@ -94,7 +93,7 @@ TEST(StereoOdometry, StepCovarianceFitsTheStepErrors) {
   StereoOdometry odometry{StereoOdometryConfig{}};
   double sum = 0;
   Isometry before = Isometry::Identity();
-  for (std::size_t i = 0; i < drive().size(); ++i) {
+  for (std::size_t i = 0; i < kFrames; ++i) {
     const auto estimate = feed(odometry, i);
     if (i > 0) {
       const Isometry true_step = true_pose(i - 1).inverse() * true_pose(i);
@@ -105,7 +104,7 @@ TEST(StereoOdometry, StepCovarianceFitsTheStepErrors) {
     }
     before = estimate.T_odom_body;
   }
-  const double mean = sum / static_cast<double>(drive().size() - 1);
+  const double mean = sum / static_cast<double>(kFrames - 1);
   std::printf("rendered room: mean normalised squared step error %.1f (6 is consistent)\n", mean);
   EXPECT_GT(mean, 1.5);
   EXPECT_LT(mean, 18);
@@ -113,7 +112,7 @@ TEST(StereoOdometry, StepCovarianceFitsTheStepErrors) {
 
 TEST(StereoOdometry, StandsStill) {
   StereoOdometry odometry{StereoOdometryConfig{}};
-  const auto& step = drive().front();
+  const auto& step = drive(0);
   const auto camera = robot_camera();
   for (std::size_t i = 0; i < 20; ++i) {
     const auto seed = static_cast<std::uint64_t>(1000 + 2 * i);
@@ -184,8 +183,8 @@ TEST(StereoOdometry, ABlurredFrameDoesNotThrowItOff) {
     if (i == 7) {
       cv::Mat left;
       cv::Mat right;
-      cv::blur(drive()[i].left, left, {61, 61});
-      cv::blur(drive()[i].right, right, {61, 61});
+      cv::blur(drive(i).left, left, {61, 61});
+      cv::blur(drive(i).right, right, {61, 61});
       const auto blurred = odometry.update(left, right, robot_camera(), time_of(i));
       ASSERT_TRUE(blurred);
       expect_finite(*blurred);
@@ -200,7 +199,7 @@ TEST(StereoOdometry, RefusesATimeThatDoesNotRise) {
   StereoOdometry odometry{StereoOdometryConfig{}};
   feed(odometry, 0);
   const auto known = feed(odometry, 1);
-  const auto& step = drive()[2];
+  const auto& step = drive(2);
   EXPECT_FALSE(odometry.update(step.left, step.right, robot_camera(), time_of(1)));
   EXPECT_FALSE(odometry.update(step.left, step.right, robot_camera(), time_of(1) - 500'000));
   const auto next = feed(odometry, 2);
@@ -212,7 +211,7 @@ TEST(StereoOdometry, BeginsANewEpochWhenTimeJumpsBack) {
   StereoOdometry odometry{StereoOdometryConfig{}};
   for (std::size_t i = 0; i < 5; ++i) feed(odometry, i);
   const auto before = odometry.checkpoint();
-  const auto& step = drive()[5];
+  const auto& step = drive(5);
   const auto jumped =
       odometry.update(step.left, step.right, robot_camera(), time_of(4) - 1'000'001);
   ASSERT_TRUE(jumped);
@@ -221,7 +220,7 @@ TEST(StereoOdometry, BeginsANewEpochWhenTimeJumpsBack) {
   EXPECT_TRUE(jumped->coasting);
   EXPECT_TRUE(jumped->T_odom_body.isApprox(before.T_odom_body, 1e-12));
   const auto after =
-      odometry.update(drive()[6].left, drive()[6].right, robot_camera(), time_of(5) - 1'000'001);
+      odometry.update(drive(6).left, drive(6).right, robot_camera(), time_of(5) - 1'000'001);
   ASSERT_TRUE(after);
   EXPECT_FALSE(after->coasting);
   EXPECT_EQ(after->epoch, 1U);
@@ -257,7 +256,7 @@ TEST(StereoOdometry, ResumesAtAnyTime) {
                             kept.utime + 3'600'000'000}) {
     StereoOdometry odometry{StereoOdometryConfig{}};
     odometry.resume(kept);
-    const auto placed = odometry.update(drive()[5].left, drive()[5].right, robot_camera(), utime);
+    const auto placed = odometry.update(drive(5).left, drive(5).right, robot_camera(), utime);
     ASSERT_TRUE(placed) << utime;
     expect_finite(*placed);
     EXPECT_EQ(placed->epoch, 1U);
@@ -286,7 +285,7 @@ TEST(StereoOdometry, TakesANewCalibrationInItsStride) {
   for (std::size_t i = 0; i < 3; ++i) feed(odometry, i);
   auto camera = robot_camera();
   camera.f_px = 560;
-  const auto changed = odometry.update(drive()[3].left, drive()[3].right, camera, time_of(3));
+  const auto changed = odometry.update(drive(3).left, drive(3).right, camera, time_of(3));
   ASSERT_TRUE(changed);
   expect_finite(*changed);
   EXPECT_TRUE(changed->coasting);
