@@ -108,7 +108,7 @@ Result<OdometryEstimate> StereoOdometry::update(const cv::Mat& left, const cv::M
     estimate.utime = utime;
     estimate.epoch = epoch_;
     const Isometry predicted = predicted_body(dt_s);
-    auto measured = measure(view, predicted * camera.T_body_camera, dt_s, estimate);
+    const auto measured = measure(view, predicted * camera.T_body_camera, utime, estimate);
     if (measured) {
       coasted_s_ = 0;
     } else if (started_) {
@@ -118,11 +118,17 @@ Result<OdometryEstimate> StereoOdometry::update(const cv::Mat& left, const cv::M
     } else {
       estimate.step_covariance = Matrix6d::Identity() * kFirstPoseSigma * kFirstPoseSigma;
     }
-    const bool lost = !measured;
-    if (lost || wants_keyframe(*measured)) {
-      make_keyframe(view, estimate.T_odom_body * camera.T_body_camera,
-                    lost ? std::vector<KeyPoint>{} : carried_over(*measured));
-      estimate.is_keyframe = true;
+    if (!measured || wants_keyframe(*measured)) {
+      Keyframe fresh = make_keyframe(view, estimate.T_odom_body * camera.T_body_camera,
+                                     measured ? carried_over(*measured) : std::vector<KeyPoint>{});
+      // A blurred or dark frame does not replace a keyframe that the next frame may find again.
+      const bool rich = static_cast<int>(fresh.points.size()) >= 2 * config_.min_inliers;
+      estimate.is_keyframe = measured || rich || !keyframe_;
+      if (estimate.is_keyframe) keyframe_ = std::move(fresh);
+    }
+    if (measured || estimate.is_keyframe) {
+      T_odom_vouched_ = estimate.T_odom_body;
+      vouched_utime_ = utime;
     }
     if (!started_) {
       estimate.tracked = estimate.inliers = static_cast<int>(keyframe_->points.size());
@@ -146,9 +152,9 @@ Isometry StereoOdometry::predicted_body(double dt_s) const {
 
 std::optional<StereoOdometry::Measured> StereoOdometry::measure(const View& view,
                                                                 const Isometry& T_odom_camera,
-                                                                double dt_s,
+                                                                Utime utime,
                                                                 OdometryEstimate& estimate) const {
-  if (!keyframe_ || keyframe_->points.empty() || !(dt_s > 0)) return std::nullopt;
+  if (!keyframe_ || keyframe_->points.empty()) return std::nullopt;
   const RectifiedCamera& camera = view.camera;
   const Isometry guess = T_odom_camera.inverse() * keyframe_->T_odom_camera;
 
@@ -195,16 +201,17 @@ std::optional<StereoOdometry::Measured> StereoOdometry::measure(const View& view
       rigid(keyframe_->T_odom_camera * measured.pose.T_new_anchor.inverse() *
             camera.T_body_camera.inverse());
   estimate.inliers = measured.pose.inliers;
-  if (!believable(T_odom_body, dt_s)) return std::nullopt;
+  const Twist twist =
+      twist_of(T_odom_vouched_.inverse() * T_odom_body, to_seconds(utime - vouched_utime_));
+  if (!believable(twist)) return std::nullopt;
   estimate.T_odom_body = T_odom_body;
-  estimate.twist = twist_of(T_odom_body_.inverse() * T_odom_body, dt_s);
+  estimate.twist = twist;
   estimate.step_covariance = covariance_in(camera.T_body_camera, measured.pose.covariance);
   estimate.quality = quality(estimate.tracked, estimate.inliers);
   return measured;
 }
 
-bool StereoOdometry::believable(const Isometry& T_odom_body, double dt_s) const {
-  const Twist twist = twist_of(T_odom_body_.inverse() * T_odom_body, dt_s);
+bool StereoOdometry::believable(const Twist& twist) const {
   return twist.allFinite() && twist.head<3>().norm() <= config_.max_speed_mps &&
          twist.tail<3>().norm() <= config_.max_turn_radps;
 }
@@ -240,8 +247,8 @@ std::vector<StereoOdometry::KeyPoint> StereoOdometry::carried_over(const Measure
   return points;
 }
 
-void StereoOdometry::make_keyframe(View& view, const Isometry& T_odom_camera,
-                                   std::vector<KeyPoint> points) {
+StereoOdometry::Keyframe StereoOdometry::make_keyframe(View& view, const Isometry& T_odom_camera,
+                                                       std::vector<KeyPoint> points) const {
   std::vector<cv::Point2f> taken;
   taken.reserve(points.size());
   for (const KeyPoint& point : points) taken.push_back(to_cv(point.pixel));
@@ -257,7 +264,7 @@ void StereoOdometry::make_keyframe(View& view, const Isometry& T_odom_camera,
     if (disparity_px < kMinDisparity_px) continue;
     points.push_back({{u_px, v_px, disparity_px}, kDisparitySigma_px});
   }
-  keyframe_ = Keyframe{std::move(view.pyramid), std::move(points), T_odom_camera, view.camera};
+  return {std::move(view.pyramid), std::move(points), T_odom_camera, view.camera};
 }
 
 void StereoOdometry::coast(double dt_s, OdometryEstimate& estimate) const {

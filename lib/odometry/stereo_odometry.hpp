@@ -59,7 +59,7 @@ struct StereoOdometryConfig {
 struct OdometryEstimate {
   Utime utime = 0;
   Isometry T_odom_body = Isometry::Identity();
-  Twist twist = Twist::Zero();  ///< mean since the frame before; body frame
+  Twist twist = Twist::Zero();  ///< mean since the last pose not coasted; body frame
   /// Of the motion since the frame before: in the body frame, order as in Twist [m^2, rad^2].
   Matrix6d step_covariance = Matrix6d::Zero();
   /// 0 (nothing seen) to 1 (50 points or more agree, and at least 70 % of those followed).
@@ -80,8 +80,9 @@ struct OdometryEstimate {
 /// (weighted by variance), and fresh corners join.
 ///
 /// Where no pose can be measured, the velocity is kept for coast_s, the covariance says how far
-/// that may be off, quality is 0 and `coasting` is set. Results depend on the images, their times
-/// and the config alone.
+/// that may be off, quality is 0 and `coasting` is set. The keyframe stays while the images hold
+/// too few points to start from, so that a blurred or dark spell that ends in view of it leaves no
+/// error behind. Results depend on the images, their times and the config alone.
 class StereoOdometry {
  public:
   explicit StereoOdometry(const StereoOdometryConfig& config) : config_{config} {}
@@ -115,11 +116,12 @@ class StereoOdometry {
 
   [[nodiscard]] Isometry predicted_body(double dt_s) const;
   [[nodiscard]] std::optional<Measured> measure(const View& view, const Isometry& T_odom_camera,
-                                                double dt_s, OdometryEstimate& estimate) const;
-  [[nodiscard]] bool believable(const Isometry& T_odom_body, double dt_s) const;
+                                                Utime utime, OdometryEstimate& estimate) const;
+  [[nodiscard]] bool believable(const Twist& twist) const;
   [[nodiscard]] bool wants_keyframe(const Measured& measured) const;
   [[nodiscard]] std::vector<KeyPoint> carried_over(const Measured& measured) const;
-  void make_keyframe(View& view, const Isometry& T_odom_camera, std::vector<KeyPoint> points);
+  [[nodiscard]] Keyframe make_keyframe(View& view, const Isometry& T_odom_camera,
+                                       std::vector<KeyPoint> points) const;
   void coast(double dt_s, OdometryEstimate& estimate) const;
   [[nodiscard]] double quality(int tracked, int inliers) const;
 
@@ -132,6 +134,9 @@ class StereoOdometry {
   Isometry T_odom_body_ = Isometry::Identity();
   Twist twist_ = Twist::Zero();
   double coasted_s_ = 0;
+  Isometry T_odom_vouched_ =
+      Isometry::Identity();  ///< the last pose measured, or set by a keyframe
+  Utime vouched_utime_ = 0;
 };
 
 }  // namespace cairn::odometry
