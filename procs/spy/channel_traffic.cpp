@@ -112,8 +112,7 @@ void ChannelTraffic::add(std::vector<std::uint8_t> bytes, std::int64_t time_us) 
     last_problem_ = type.error().message;
     return;
   }
-  newest_type_ = *type;
-  newest_ = std::move(bytes);
+  newest_ = {*type, std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes))};
 }
 
 bool ChannelTraffic::stale(std::int64_t age_us, const std::optional<Pace>& pace) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,12 @@ namespace cairn::spy {
 /// Whether messages arrive as they are sent, or come from a recording, where latency means nothing.
 enum class Timing { kLive, kRecorded };
 
+/// A whole message and its type; the type lives as long as its schema.
+struct NewestMessage {
+  const MessageType* type = nullptr;
+  std::shared_ptr<const std::vector<std::uint8_t>> bytes;
+};
+
 /// Name of the process that a session belongs to; empty where not known.
 using NameOfSession = std::function<std::string(std::int64_t session)>;
 
@@ -30,9 +37,8 @@ class ChannelTraffic {
 
   [[nodiscard]] ChannelSummary summary(std::int64_t now_us, const NameOfSession& name_of) const;
 
-  /// The last whole message and its type; null and empty before the first.
-  [[nodiscard]] const MessageType* newest_type() const { return newest_type_; }
-  [[nodiscard]] const std::vector<std::uint8_t>& newest() const { return newest_; }
+  /// The last whole message; its type is null before the first.
+  [[nodiscard]] const NewestMessage& newest() const { return newest_; }
 
  private:
   struct Session {
@@ -66,8 +72,7 @@ class ChannelTraffic {
   bool latency_known_ = false;
   std::map<std::int64_t, Session> sessions_;
   int forgotten_sessions_ = 0;
-  const MessageType* newest_type_ = nullptr;
-  std::vector<std::uint8_t> newest_;
+  NewestMessage newest_;
 };
 
 }  // namespace cairn::spy

@@ -35,9 +35,9 @@ void LiveFeed::listen(const std::stop_token& stop) {
   }
 }
 
-Snapshot LiveFeed::snapshot(const std::string& channel) {
+Snapshot LiveFeed::snapshot() {
   const std::scoped_lock lock(mutex_);
-  return {traffic_.summary(clock_.now_us()), traffic_.newest(channel), std::nullopt, 0};
+  return {traffic_.summary(clock_.now_us()), traffic_.newest(), std::nullopt, 0};
 }
 
 RecordedFeed::RecordedFeed(const Schema& schema, bus::RecordingReader reader, PaceWindow window)
@@ -86,9 +86,9 @@ void RecordedFeed::set_running(bool running) {
   wake_.notify_all();
 }
 
-Snapshot RecordedFeed::snapshot(const std::string& channel) {
+Snapshot RecordedFeed::snapshot() {
   const std::scoped_lock lock(mutex_);
-  return {traffic_.summary(traffic_.last_us()), traffic_.newest(channel), damage_, progress_};
+  return {traffic_.summary(traffic_.last_us()), traffic_.newest(), damage_, progress_};
 }
 
 }  // namespace cairn::spy

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,16 +27,16 @@ struct Damage {
 /// What a feed had at one moment.
 struct Snapshot {
   TrafficSummary traffic;
-  std::optional<NewestMessage> newest;  ///< of the channel that was asked for
-  std::optional<Damage> damage;         ///< of a recording
-  double progress = 0;                  ///< share of a recording that is read
+  std::map<std::string, NewestMessage, std::less<>> newest;  ///< by channel
+  std::optional<Damage> damage;                              ///< of a recording
+  double progress = 0;                                       ///< share of a recording that is read
 };
 
 /// Hears messages on a thread of its own and counts them, so that a slow terminal costs none.
 class Feed {
  public:
   virtual ~Feed() = default;
-  [[nodiscard]] virtual Snapshot snapshot(const std::string& channel) = 0;
+  [[nodiscard]] virtual Snapshot snapshot() = 0;
   /// Whether nothing more will come.
   [[nodiscard]] virtual bool ended() const = 0;
   /// Stops and starts the reading of a recording, at its end from the beginning; what is live goes
@@ -48,7 +49,7 @@ class LiveFeed : public Feed {
   /// The bus must be subscribed to everything.
   LiveFeed(const Schema& schema, std::unique_ptr<bus::Bus> bus, PaceWindow window);
 
-  Snapshot snapshot(const std::string& channel) override;
+  Snapshot snapshot() override;
   [[nodiscard]] bool ended() const override { return false; }
   void set_running(bool) override {}
 
@@ -66,7 +67,7 @@ class RecordedFeed : public Feed {
  public:
   RecordedFeed(const Schema& schema, bus::RecordingReader reader, PaceWindow window);
 
-  Snapshot snapshot(const std::string& channel) override;
+  Snapshot snapshot() override;
   [[nodiscard]] bool ended() const override { return ended_; }
   void set_running(bool running) override;
 

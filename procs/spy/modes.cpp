@@ -51,7 +51,7 @@ bool wait_for_end(Feed& feed, StopSignal& stop) {
     if (stop.arrived(waited_us == 0 ? kProgressPeriod_us / 10 : kProgressPeriod_us)) return false;
     waited_us += kProgressPeriod_us;
     if (on_terminal && waited_us > kMicrosecondsPerSecond)
-      std::fprintf(stderr, "\rreading %3.0f %%", 100 * feed.snapshot("").progress);
+      std::fprintf(stderr, "\rreading %3.0f %%", 100 * feed.snapshot().progress);
   }
   if (on_terminal && waited_us > kMicrosecondsPerSecond) std::fprintf(stderr, "\r\033[K");
   return true;
@@ -63,14 +63,14 @@ int report_once(const Schema& schema, const Options& options, Feed& feed, StopSi
   } else if (!wait_for_end(feed, stop)) {
     return 1;
   }
-  print(schema, options, feed.snapshot(options.channel));
+  print(schema, options, feed.snapshot());
   return 0;
 }
 
 int report_every_second(const Schema& schema, const Options& options, Feed& feed,
                         StopSignal& stop) {
   while (!stop.arrived(kMicrosecondsPerSecond)) {
-    print(schema, options, feed.snapshot(options.channel));
+    print(schema, options, feed.snapshot());
     if (!options.json) std::cout << "\n";
   }
   return 0;
@@ -81,9 +81,8 @@ int show(const Schema& schema, const Options& options, Feed& feed, StopSignal& s
   View view(schema, source_of(options), options.channel);
   Snapshot snapshot;
   while (!view.quit() && !stop.arrived()) {
-    const std::string channel = view.open_channel();
     if (!options.log.empty() && feed.ended()) view.set_paused(true);
-    if (!view.paused() || !options.log.empty()) snapshot = feed.snapshot(channel);
+    if (!view.paused() || !options.log.empty()) snapshot = feed.snapshot();
     terminal.paint(view.draw(snapshot, terminal.size()));
     const Key key = terminal.key(kRedrawPeriod_ms);
     view.press(key);

@@ -8,10 +8,18 @@ namespace {
 
 constexpr int kExitUsage = 2;
 
+/// Unlike CLI::Range it refuses what is not a number.
+std::string in_range(std::string& text) {
+  double value = 0;
+  const bool good = CLI::detail::lexical_cast(text, value) && value >= 0.01 && value <= 86'400;
+  return good ? "" : text + " is not a number of seconds from 0.01 to 86400";
+}
+
 }  // namespace
 
 tl::expected<Options, int> parse_options(int argc, char** argv) {
   Options options;
+  const CLI::Validator seconds(in_range, "0.01 to 86400");
   CLI::App app{
       "spy: shows what goes over the bus or lies in a recording: every channel's rate, jitter, "
       "bandwidth, loss, latency and sender, how the processes are, and any message's fields",
@@ -25,7 +33,7 @@ tl::expected<Options, int> parse_options(int argc, char** argv) {
                   ->excludes(url);
   auto* once = app.add_flag("--once", options.once, "print one report over the whole time and end");
   app.add_option("--seconds", options.seconds, "how long to listen before the report of --once")
-      ->check(CLI::Range(0.01, 86'400.0))
+      ->check(seconds)
       ->capture_default_str()
       ->needs(once)
       ->excludes(log);

@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 
+#include "bus/udp_url.hpp"
 #include "procs/spy/field_lines.hpp"
 #include "procs/spy/printable.hpp"
 #include "procs/spy/summary_json.hpp"
@@ -12,11 +13,12 @@ namespace cairn::spy {
 namespace {
 
 Json message_json(const Schema& schema, const Options& options, const Snapshot& snapshot) {
-  if (!snapshot.newest) return nullptr;
-  auto fields = read_message(schema, *snapshot.newest->type, snapshot.newest->bytes);
+  const auto newest = snapshot.newest.find(options.channel);
+  if (newest == snapshot.newest.end()) return nullptr;
+  auto fields = read_message(schema, *newest->second.type, *newest->second.bytes);
   if (!fields) return nullptr;
   return {{"channel", options.channel},
-          {"type", snapshot.newest->type->name},
+          {"type", newest->second.type->name},
           {"fields", std::move(*fields)}};
 }
 
@@ -27,9 +29,10 @@ std::string joined(const std::vector<std::string>& lines) {
 }
 
 std::string message_text(const Schema& schema, const Options& options, const Snapshot& snapshot) {
-  if (!snapshot.newest) return "";
-  const MessageType& type = *snapshot.newest->type;
-  const auto fields = read_message(schema, type, snapshot.newest->bytes);
+  const auto newest = snapshot.newest.find(options.channel);
+  if (newest == snapshot.newest.end()) return "";
+  const MessageType& type = *newest->second.type;
+  const auto fields = read_message(schema, type, *newest->second.bytes);
   if (!fields) return "";
   return printable(options.channel) + " (" + type.name + ")\n" +
          joined(field_lines(schema, type, *fields));
@@ -41,7 +44,7 @@ std::string source_of(const Options& options) {
   if (!options.log.empty()) return printable(options.log);
   if (!options.lcm_url.empty()) return printable(options.lcm_url);
   const char* from_environment = std::getenv("LCM_DEFAULT_URL");
-  return from_environment != nullptr ? printable(from_environment) : "the default LCM address";
+  return from_environment != nullptr ? printable(from_environment) : bus::UdpUrl{}.text();
 }
 
 std::string json_report(const Schema& schema, const Options& options, const Snapshot& snapshot) {
@@ -72,7 +75,7 @@ std::string hint(const Options& options, const Snapshot& snapshot) {
     return "nothing heard on " + source_of(options) +
            "; is a process group running, and with the same --lcm-url?";
   }
-  if (!options.channel.empty() && !snapshot.newest)
+  if (!options.channel.empty() && !snapshot.newest.contains(options.channel))
     return "no whole message heard on channel " + printable(options.channel);
   return "";
 }

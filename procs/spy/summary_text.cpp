@@ -65,10 +65,9 @@ std::string headline(const TrafficSummary& summary) {
     bytes_per_s += channel.pace->bytes_per_s;
   }
   std::string text = std::to_string(summary.channels.size()) + " channels, " +
-                     grouped(summary.messages) + " messages in " + duration(summary.span_us) +
-                     ", " + rate_text(messages_per_s) + " Hz, " + bytes_text(bytes_per_s) +
-                     "/s, lost " + grouped(summary.lost) + ", undecodable " +
-                     grouped(summary.undecodable);
+                     rate_text(messages_per_s) + " Hz, " + bytes_text(bytes_per_s) + "/s, lost " +
+                     grouped(summary.lost) + ", undecodable " + grouped(summary.undecodable) +
+                     ", " + grouped(summary.messages) + " messages in " + duration(summary.span_us);
   if (summary.ignored > 0) text += ", too many channels: ignored " + grouped(summary.ignored);
   if (summary.time_set_back > 0) text += ", time set back " + grouped(summary.time_set_back) + "x";
   return text;

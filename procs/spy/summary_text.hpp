@@ -8,7 +8,7 @@
 
 namespace cairn::spy {
 
-/// "12 channels, 1,234 messages in 2.0 s, 1.2 MB/s, lost 0, undecodable 0".
+/// "12 channels, 617 Hz, 1.20 MB/s, lost 0, undecodable 0, 1,234 messages in 2.00 s".
 [[nodiscard]] std::string headline(const TrafficSummary& summary);
 
 /// One row a channel, in the summary's order.

@@ -56,10 +56,12 @@ TrafficSummary Traffic::summary(std::int64_t now_us) const {
   return summary;
 }
 
-std::optional<NewestMessage> Traffic::newest(std::string_view channel) const {
-  const auto found = channels_.find(channel);
-  if (found == channels_.end() || found->second.newest_type() == nullptr) return std::nullopt;
-  return NewestMessage{found->second.newest_type(), found->second.newest()};
+std::map<std::string, NewestMessage, std::less<>> Traffic::newest() const {
+  std::map<std::string, NewestMessage, std::less<>> messages;
+  for (const auto& [name, channel] : channels_) {
+    if (channel.newest().type != nullptr) messages.emplace(name, channel.newest());
+  }
+  return messages;
 }
 
 }  // namespace cairn::spy

@@ -3,9 +3,7 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
-#include <string_view>
 
 #include "bus/bus.hpp"
 #include "procs/spy/channel_traffic.hpp"
@@ -14,12 +12,6 @@
 #include "procs/spy/summary.hpp"
 
 namespace cairn::spy {
-
-/// A whole message and its type.
-struct NewestMessage {
-  const MessageType* type = nullptr;
-  std::vector<std::uint8_t> bytes;
-};
 
 /// What goes over a bus, counted. Knows no clock and no bus: whoever hears a message says when.
 /// The schema must outlive it.
@@ -34,8 +26,8 @@ class Traffic {
 
   [[nodiscard]] TrafficSummary summary(std::int64_t now_us) const;
 
-  /// The last whole message of a channel, if there was one.
-  [[nodiscard]] std::optional<NewestMessage> newest(std::string_view channel) const;
+  /// The last whole message of each channel that had one.
+  [[nodiscard]] std::map<std::string, NewestMessage, std::less<>> newest() const;
 
   /// When the last message came; 0 before the first.
   [[nodiscard]] std::int64_t last_us() const { return last_us_; }

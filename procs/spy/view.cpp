@@ -12,7 +12,7 @@
 namespace cairn::spy {
 namespace {
 
-constexpr std::size_t kFewestProcessRows = 3;
+constexpr std::size_t kFewestRowsWithProcesses = 10;
 constexpr std::ptrdiff_t kToTheEnd = 1'000'000'000;
 
 Style style_of(const ChannelSummary& channel) {
@@ -97,20 +97,21 @@ void View::move(std::ptrdiff_t step) {
 }
 
 StyledLine View::title(const Snapshot& snapshot) const {
-  std::string text = "cairn spy  " + source_ + "  " + headline(snapshot.traffic);
+  std::string text = paused_ ? "cairn spy STOPPED  " : "cairn spy  ";
+  text += headline(snapshot.traffic) + "  " + source_;
   if (snapshot.damage) {
     char share[32];
     std::snprintf(share, sizeof(share), "  read %.0f %%", 100 * snapshot.progress);
     text += share;
   }
-  return {text + (paused_ ? "  STOPPED" : ""), Style::kTitle};
+  return {text, Style::kTitle};
 }
 
 void View::draw_processes(const TrafficSummary& traffic, ScreenSize size,
                           std::vector<StyledLine>& lines) const {
-  if (traffic.processes.empty()) return;
+  if (traffic.processes.empty() || size.rows < kFewestRowsWithProcesses) return;
   const std::vector<std::string> rows = process_table(traffic).lines(size.columns);
-  const std::size_t room = std::max(kFewestProcessRows, size.rows / 3);
+  const std::size_t room = size.rows / 3;
   const std::size_t shown = std::min(traffic.processes.size(), room);
   lines.push_back({rows[0], Style::kHeading});
   for (std::size_t i = 0; i < shown; ++i)
@@ -138,10 +139,20 @@ void View::draw_channels(const TrafficSummary& traffic, ScreenSize size,
   first_channel_ = std::min(first_channel_, channels_.size() - std::min(page_, channels_.size()));
   if (selected < channels_.size()) first_channel_ = scrolled_to(first_channel_, selected, page_);
   lines.push_back({rows[0], Style::kHeading});
-  const std::size_t end = std::min(first_channel_ + page_, channels_.size());
-  for (std::size_t i = first_channel_; i < end; ++i) {
-    lines.push_back(
+  std::vector<StyledLine> styled;
+  for (std::size_t i = 0; i < channels_.size(); ++i)
+    styled.push_back(
         {rows[i + 1], i == selected ? Style::kSelected : style_of(traffic.channels[i])});
+  append_page(styled, first_channel_, lines);
+}
+
+void View::append_page(const std::vector<StyledLine>& rows, std::size_t first,
+                       std::vector<StyledLine>& lines) {
+  const std::size_t end = std::min(first + page_, rows.size());
+  for (std::size_t i = first; i < end; ++i) lines.push_back(rows[i]);
+  if (end - first < rows.size()) {
+    position_ = std::to_string(first + 1) + "-" + std::to_string(end) + " of " +
+                std::to_string(rows.size()) + "   ";
   }
 }
 
@@ -169,16 +180,17 @@ std::vector<StyledLine> View::field_view_head(const TrafficSummary& traffic,
 
 void View::draw_fields(const Snapshot& snapshot, ScreenSize size, std::vector<StyledLine>& lines) {
   for (StyledLine& line : field_view_head(snapshot.traffic, size)) lines.push_back(std::move(line));
-  if (!snapshot.newest) return;
-  const MessageType& type = *snapshot.newest->type;
-  const auto fields = read_message(schema_, type, snapshot.newest->bytes);
+  const auto newest = snapshot.newest.find(selected_);
+  if (newest == snapshot.newest.end()) return;
+  const MessageType& type = *newest->second.type;
+  const auto fields = read_message(schema_, type, *newest->second.bytes);
   if (!fields) return;
-  const std::vector<std::string> texts = field_lines(schema_, type, *fields);
+  std::vector<StyledLine> texts;
+  for (std::string& line : field_lines(schema_, type, *fields)) texts.push_back({std::move(line)});
   page_ = size.rows > lines.size() + 1 ? size.rows - lines.size() - 1 : 1;
   last_first_field_ = texts.size() - std::min(texts.size(), page_);
   first_field_ = std::min(first_field_, last_first_field_);
-  const std::size_t end = std::min(first_field_ + page_, texts.size());
-  for (std::size_t i = first_field_; i < end; ++i) lines.push_back({texts[i], Style::kPlain});
+  append_page(texts, first_field_, lines);
 }
 
 std::vector<StyledLine> View::draw(const Snapshot& snapshot, ScreenSize size) {
@@ -186,6 +198,7 @@ std::vector<StyledLine> View::draw(const Snapshot& snapshot, ScreenSize size) {
   if (snapshot.damage && !snapshot.damage->text.empty())
     lines.push_back({printable(snapshot.damage->text), Style::kWarning});
   lines.push_back({});
+  position_.clear();
   if (open_) {
     draw_fields(snapshot, size, lines);
   } else {
@@ -193,8 +206,8 @@ std::vector<StyledLine> View::draw(const Snapshot& snapshot, ScreenSize size) {
     draw_channels(snapshot.traffic, size, lines);
   }
   if (size.rows > 0) lines.resize(size.rows - 1);
-  lines.push_back({open_ ? "arrows scroll   esc back   p stop/start   q quit"
-                         : "arrows choose   enter fields   p stop/start   q quit",
+  lines.push_back({position_ + (open_ ? "arrows scroll   esc back   p stop/start   q quit"
+                                      : "arrows choose   enter fields   p stop/start   q quit"),
                    Style::kFaint});
   lines.resize(size.rows);
   for (StyledLine& line : lines) line.text = shortened(line.text, size.columns);

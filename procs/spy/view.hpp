@@ -38,8 +38,6 @@ class View {
   [[nodiscard]] bool quit() const { return quit_; }
   [[nodiscard]] bool paused() const { return paused_; }
   void set_paused(bool paused) { paused_ = paused; }
-  /// The channel whose fields are shown; empty for none.
-  [[nodiscard]] std::string open_channel() const { return open_ ? selected_ : std::string(); }
 
  private:
   void move(std::ptrdiff_t step);
@@ -49,6 +47,8 @@ class View {
   void draw_channels(const TrafficSummary& traffic, ScreenSize size,
                      std::vector<StyledLine>& lines);
   void draw_fields(const Snapshot& snapshot, ScreenSize size, std::vector<StyledLine>& lines);
+  void append_page(const std::vector<StyledLine>& rows, std::size_t first,
+                   std::vector<StyledLine>& lines);
   [[nodiscard]] std::vector<StyledLine> field_view_head(const TrafficSummary& traffic,
                                                         ScreenSize size) const;
 
@@ -60,6 +60,7 @@ class View {
   bool quit_ = false;
   std::vector<std::string> channels_;  ///< as drawn last
   std::size_t page_ = 1;               ///< rows of the scrolled part, as drawn last
+  std::string position_;               ///< which rows those are, as drawn last
   std::size_t first_channel_ = 0;
   std::size_t first_field_ = 0;
   std::size_t last_first_field_ = 0;  ///< the farthest that fields can be scrolled
