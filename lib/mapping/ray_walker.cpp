@@ -132,8 +132,10 @@ class LayerWalk {
       const std::int64_t next_cell = cell_of(next_u) | cell_of(next_v) << 3;
       std::uint64_t bits = std::uint64_t{1} << cell | std::uint64_t{1} << next_cell;
       const std::int64_t changed = cell ^ next_cell;
-      if ((changed & 7) != 0 && changed > 7)
+      // One branch, seldom taken: each half alone would be a coin toss.
+      if (((changed & 7) * (changed >> 3)) != 0) {
         bits |= std::uint64_t{1} << corner(u, v, cell, next_cell);
+      }
       words[layer] |= bits;
       layer += step_;
       u = next_u;
