@@ -49,10 +49,9 @@ void PaceMeter::forget_old(std::int64_t now_us) {
 std::optional<Pace> PaceMeter::pace(std::int64_t now_us) const {
   Sums sums = whole_;
   for (const Arrival& arrival : newest_) sums.add(arrival);
-  if (sums.count == 0) return std::nullopt;
+  if (sums.span_us == 0) return std::nullopt;
   const std::int64_t silence_us = age(age(now_us, *last_us_), sums.max_us);
-  const double span_s =
-      to_seconds(std::max<std::int64_t>(1, saturating_sum(sums.span_us, silence_us)));
+  const double span_s = to_seconds(saturating_sum(sums.span_us, silence_us));
   Pace pace;
   pace.intervals = sums.count;
   pace.rate_hz = static_cast<double>(sums.count) / span_s;

@@ -33,7 +33,7 @@ class PaceMeter {
 
   void add(std::int64_t time_us, std::size_t bytes);
 
-  /// Nothing before the second arrival.
+  /// Nothing before an interval was seen; messages that came all at once have no pace.
   [[nodiscard]] std::optional<Pace> pace(std::int64_t now_us) const;
 
  private:

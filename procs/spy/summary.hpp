@@ -72,8 +72,9 @@ struct TrafficSummary {
   std::int64_t bytes = 0;
   std::int64_t lost = 0;
   std::int64_t undecodable = 0;
-  std::int64_t ignored = 0;               ///< messages of channels beyond the number that is kept
-  std::int64_t time_set_back = 0;         ///< how often a message was older than the one before it
+  std::int64_t ignored = 0;  ///< messages of channels beyond the number that is kept
+  std::int64_t time_set_back =
+      0;  ///< how often a message was over a second older than the one before
   std::vector<ChannelSummary> channels;   ///< by name
   std::vector<ProcessSummary> processes;  ///< by name
 };

@@ -3,6 +3,7 @@
 
 #include "bus/channels.hpp"
 #include "bus/codec.hpp"
+#include "core/time.hpp"
 #include "procs/spy/saturating.hpp"
 
 namespace cairn::spy {
@@ -17,7 +18,7 @@ constexpr std::size_t kMostChannels = 1000;
 void Traffic::add(bus::RawMessage message, std::int64_t time_us) {
   if (message.channel == kSelfTest) return;
   if (messages_ == 0) first_us_ = time_us;
-  if (messages_ > 0 && time_us < last_us_) ++time_set_back_;
+  if (messages_ > 0 && age(last_us_, time_us) > kMicrosecondsPerSecond) ++time_set_back_;
   last_us_ = time_us;
   ++messages_;
   bytes_ += static_cast<std::int64_t>(message.bytes.size());

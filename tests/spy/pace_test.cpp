@@ -73,6 +73,15 @@ TEST(PaceMeter, ASlowChannelIsJudgedByItsNewestTenIntervals) {
   EXPECT_DOUBLE_EQ(meter.pace(now_us + 29 * kSecond)->rate_hz, 1.0 / 30);
 }
 
+TEST(PaceMeter, WhatCameAllAtOnceHasNoPace) {
+  PaceMeter meter(PaceWindow::kNewest);
+  for (int i = 0; i < 3; ++i) meter.add(kSecond, 100);
+  EXPECT_FALSE(meter.pace(kSecond));
+  EXPECT_FALSE(meter.pace(2 * kSecond));
+  meter.add(2 * kSecond, 100);
+  EXPECT_DOUBLE_EQ(meter.pace(2 * kSecond)->rate_hz, 3);
+}
+
 TEST(PaceMeter, TimeThatGoesBackMakesNoInterval) {
   PaceMeter meter(PaceWindow::kWhole);
   for (const std::int64_t time_ms : {1000, 1100, 0, 100, 200}) meter.add(time_ms * kMs, 10);

@@ -157,6 +157,14 @@ TEST_F(TrafficTest, UnknownChannelsAreShownByTheirFingerprint) {
   EXPECT_EQ(channel("THEIRS", 0).undecodable, 1);
 }
 
+// Recorders stamp on arrival: neighbours may be swapped by some milliseconds.
+TEST_F(TrafficTest, ARecordingWhoseTimeIsSetBackIsSeen) {
+  int sequence = 0;
+  for (const std::int64_t time_us : {5 * kSecond, 5 * kSecond - 10 * kMs, 3 * kSecond, 4 * kSecond})
+    traffic_.add(message<channels::Clock>(1, sequence++), time_us);
+  EXPECT_EQ(traffic_.summary(5 * kSecond).time_set_back, 1);
+}
+
 TEST_F(TrafficTest, LcmsSelfTestIsNotTraffic) {
   traffic_.add({"LCM_SELF_TEST", {1, 2, 3}}, 0);
   EXPECT_EQ(traffic_.summary(0).messages, 0);
