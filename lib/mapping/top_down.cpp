@@ -195,7 +195,7 @@ double exposure(const Columns& columns, int voxels_per_cell) {
   if (counts.empty()) return 1;
   const auto high = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() * 95 / 100);
   std::nth_element(counts.begin(), high, counts.end());
-  return std::max<double>(*high / 4, 1.5 * voxels_per_cell);
+  return std::max<double>(*high / 3, 4 * voxels_per_cell);
 }
 
 cv::Mat_<cv::Vec3b> paint(const Columns& columns, HeightRange heights, int voxels_per_cell) {
