@@ -29,8 +29,8 @@ struct TrajectoryReport {
   std::optional<double> ate_rmse_m;
   std::optional<double> final_ate_rmse_m;
   std::optional<double> odometry_ate_rmse_m;
-  std::optional<double> rpe_1m;  ///< translation RMSE over 1 m of way [m]
-  std::optional<double> end_error_m;  ///< at the last pose, aligned at the first alone
+  std::optional<double> rpe_1m;              ///< translation RMSE over 1 m of way [m]
+  std::optional<double> end_error_m;         ///< at the last pose, aligned at the first alone
   std::optional<double> end_error_fraction;  ///< of the true way
   std::optional<double> end_yaw_error_rad;
 };
