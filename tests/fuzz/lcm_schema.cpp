@@ -6,7 +6,7 @@
 #include <cctype>
 #include <fstream>
 #include <limits>
-#include <regex>
+#include <sstream>
 #include <stdexcept>
 
 namespace cairn::testing {
@@ -18,27 +18,38 @@ const std::map<std::string, int> kPrimitiveBytes{{"boolean", 1}, {"byte", 1},   
                                                  {"int16_t", 2}, {"int32_t", 4}, {"int64_t", 8},
                                                  {"float", 4},   {"double", 8}};
 
-std::vector<std::string> dimensions_in(const std::string& brackets) {
-  static const std::regex one(R"(\[(\w+)\])");
-  std::vector<std::string> dimensions;
-  for (std::sregex_iterator it(brackets.begin(), brackets.end(), one), end; it != end; ++it) {
-    dimensions.push_back((*it)[1]);
+bool starts_with_any(const std::string& line, std::initializer_list<const char*> words) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](const char* word) { return line.rfind(word, 0) == 0; });
+}
+
+/// `type name[dimension][dimension]`
+LcmField field_of(const std::string& declaration) {
+  LcmField field;
+  std::string name;
+  std::istringstream words(declaration);
+  words >> field.type >> name;
+  std::istringstream parts(name);
+  std::getline(parts, field.name, '[');
+  for (std::string size; std::getline(parts, size, ']'); parts.ignore(1)) {
+    field.dimensions.push_back(size);
   }
-  return dimensions;
+  return field;
 }
 
 std::vector<LcmField> read_type(const std::filesystem::path& file) {
-  static const std::regex passed_over(R"(\s*(//.*|package .*|struct .*|const .*|\}|))");
-  static const std::regex field(R"(\s*(\w+)\s+(\w+)((?:\[\w+\])*);.*)");
   std::ifstream in(file);
   std::vector<LcmField> fields;
   for (std::string line; std::getline(in, line);) {
-    std::smatch match;
-    if (std::regex_match(line, passed_over)) continue;
-    if (!std::regex_match(line, match, field)) {
+    line.erase(0, line.find_first_not_of(' '));
+    if (line.empty() || starts_with_any(line, {"//", "package ", "struct ", "const ", "}"})) {
+      continue;
+    }
+    const std::size_t end = line.find(';');
+    if (end == std::string::npos) {
       throw std::runtime_error(file.string() + ": not understood: " + line);
     }
-    fields.push_back({match[1], match[2], dimensions_in(match[3])});
+    fields.push_back(field_of(line.substr(0, end)));
   }
   return fields;
 }

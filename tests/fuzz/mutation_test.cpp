@@ -35,78 +35,105 @@ class ExactBlock {
   int size_;
 };
 
-template <class Message>
-class Mutation : public ::testing::Test {
- protected:
-  Mutation() { std::printf("seed %llu, %d mutants\n", kSeed, mutant_count()); }
+/// What became of some bytes that were decoded and, where they were a whole message, encoded again.
+struct Outcome {
+  int decoded = 0;
+  std::size_t allocated_bytes = 0;
+  bool counts_agree = false;
+  int encoded_size = 0;
+  int encoded = 0;
+  std::vector<std::uint8_t> again;
+};
 
-  Sample sample() {
-    return random_sample(schema(), Message::getTypeName(), Message::getHash(), rng_);
+template <class Message>
+Outcome decode_and_encode(const ExactBlock& block) {
+  Message message{};
+  Outcome outcome;
+  const std::size_t before = allocated_bytes();
+  outcome.decoded = message.decode(block.data(), 0, block.size());
+  outcome.allocated_bytes = allocated_bytes() - before;
+  if (outcome.decoded != block.size()) return outcome;
+  outcome.counts_agree = message.counts_agree();
+  if (!outcome.counts_agree) return outcome;
+  outcome.encoded_size = message.getEncodedSize();
+  outcome.again.resize(static_cast<std::size_t>(outcome.encoded_size));
+  outcome.encoded = message.encode(outcome.again.data(), 0, outcome.encoded_size);
+  return outcome;
+}
+
+struct MessageType {
+  const char* name;
+  std::int64_t hash;
+  Outcome (*decode_and_encode)(const ExactBlock&);
+
+  friend std::ostream& operator<<(std::ostream& out, const MessageType& type) {
+    return out << type.name;
+  }
+};
+
+template <class... Messages>
+struct ListOf {
+  static std::vector<MessageType> get() {
+    return {{Messages::getTypeName(), Messages::getHash(), decode_and_encode<Messages>}...};
+  }
+};
+
+class Mutation : public ::testing::TestWithParam<MessageType> {
+ protected:
+  Sample sample() { return random_sample(schema(), GetParam().name, GetParam().hash, rng_); }
+  static Outcome outcome_of(const std::vector<std::uint8_t>& bytes) {
+    return GetParam().decode_and_encode(ExactBlock(bytes));
   }
 
   std::mt19937_64 rng_{kSeed};
 };
 
-struct NameOfType {
-  template <class Message>
-  static std::string GetName(int) {
-    return Message::getTypeName();
-  }
-};
-TYPED_TEST_SUITE(Mutation, AllTypes<::testing::Types>, NameOfType);
-
-TYPED_TEST(Mutation, AWholeMessageComesBackByteForByte) {
+TEST_P(Mutation, AWholeMessageComesBackByteForByte) {
   for (int i = 0; i < 200; ++i) {
-    const Sample sample = this->sample();
-    TypeParam message{};
-    const int size = static_cast<int>(sample.bytes.size());
-    ASSERT_EQ(message.decode(sample.bytes.data(), 0, size), size);
-    ASSERT_TRUE(message.counts_agree());
-    std::vector<std::uint8_t> again(sample.bytes.size());
-    ASSERT_EQ(message.getEncodedSize(), size);
-    ASSERT_EQ(message.encode(again.data(), 0, size), size);
-    ASSERT_EQ(again, sample.bytes);
+    const Sample whole = sample();
+    const Outcome outcome = outcome_of(whole.bytes);
+    const int size = static_cast<int>(whole.bytes.size());
+    ASSERT_EQ(outcome.decoded, size);
+    ASSERT_TRUE(outcome.counts_agree);
+    ASSERT_EQ(outcome.encoded_size, size);
+    ASSERT_EQ(outcome.encoded, size);
+    ASSERT_EQ(outcome.again, whole.bytes);
   }
 }
 
-TYPED_TEST(Mutation, DamagedBytesNeitherCrashNorThrowNorTakeMuchMemory) {
-  Sample sample = this->sample();
-  Sample other = this->sample();
+TEST_P(Mutation, DamagedBytesNeitherCrashNorThrowNorTakeMuchMemory) {
+  std::printf("seed %llu, %d mutants\n", kSeed, mutant_count());
+  Sample whole = sample();
+  Sample other = sample();
   for (int i = 0; i < mutant_count(); ++i) {
     if (i % 64 == 0) {
-      other = std::move(sample);
-      sample = this->sample();
+      other = std::move(whole);
+      whole = sample();
     }
-    const ExactBlock block(mutant(sample, other, this->rng_));
-    TypeParam message{};
-    int decoded = 0;
-    const std::size_t before = allocated_bytes();
-    ASSERT_NO_THROW(decoded = message.decode(block.data(), 0, block.size())) << "mutant " << i;
-    ASSERT_LE(allocated_bytes() - before,
-              kMaxAllocated_per_byte * static_cast<std::size_t>(block.size()))
-        << "mutant " << i;
-    ASSERT_LE(decoded, block.size()) << "mutant " << i;
-    if (decoded != block.size()) continue;
-    ASSERT_TRUE(message.counts_agree()) << "mutant " << i;
+    const auto bytes = mutant(whole, other, rng_);
+    const int size = static_cast<int>(bytes.size());
+    Outcome outcome;
+    ASSERT_NO_THROW(outcome = outcome_of(bytes)) << "mutant " << i;
+    ASSERT_LE(outcome.allocated_bytes, kMaxAllocated_per_byte * bytes.size()) << "mutant " << i;
+    ASSERT_LE(outcome.decoded, size) << "mutant " << i;
+    if (outcome.decoded != size) continue;
+    ASSERT_TRUE(outcome.counts_agree) << "mutant " << i;
+    ASSERT_EQ(outcome.encoded_size, size) << "mutant " << i;
     // A string may hold a zero byte in its midst and then is written shorter; never longer.
-    const int size = message.getEncodedSize();
-    ASSERT_EQ(size, block.size()) << "mutant " << i;
-    std::vector<std::uint8_t> again(static_cast<std::size_t>(size));
-    const int encoded = message.encode(again.data(), 0, size);
-    ASSERT_GE(encoded, 0) << "mutant " << i;
-    ASSERT_LE(encoded, size) << "mutant " << i;
+    ASSERT_GE(outcome.encoded, 0) << "mutant " << i;
+    ASSERT_LE(outcome.encoded, size) << "mutant " << i;
   }
 }
 
-template <class... Messages>
-struct NamesOf {
-  static std::set<std::string> get() { return {Messages::getTypeName()...}; }
-};
+INSTANTIATE_TEST_SUITE_P(AllTypes, Mutation, ::testing::ValuesIn(AllTypes<ListOf>::get()),
+                         [](const auto& type) { return std::string(type.param.name); });
 
 TEST(AllTypes, AreThoseOfTheLcmFiles) {
   std::set<std::string> files;
   for (const auto& [type, fields] : schema().types()) files.insert(type);
-  EXPECT_EQ(AllTypes<NamesOf>::get(), files);
+  std::set<std::string> listed;
+  for (const MessageType& type : AllTypes<ListOf>::get()) listed.insert(type.name);
+  EXPECT_EQ(listed, files);
 }
 
 }  // namespace

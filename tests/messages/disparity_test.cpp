@@ -75,6 +75,19 @@ void expect_round_trip(const stereo::DisparityImage& image) {
   EXPECT_EQ(back->camera.T_body_camera.matrix(), image.camera.T_body_camera.matrix());
 }
 
+TEST(DisparityMessages, APlainGridIsTakenAsItStands) {
+  const std::vector<std::uint8_t> plain{0, 0x34, 0x12, 0, 0, 3, 2};
+  const auto grid = unpack(plain, 1, 2);
+  ASSERT_TRUE(grid) << grid.error().message;
+  EXPECT_EQ(grid->disparity_16ths(0, 0), 0x1234);
+  EXPECT_EQ(grid->disparity_16ths(0, 1), 0);
+  EXPECT_EQ(grid->code(0, 0), 3);
+  EXPECT_EQ(grid->code(0, 1), 2);
+  EXPECT_FALSE(unpack(plain, 2, 2)) << "too few bytes";
+  EXPECT_FALSE(unpack(plain, 0, 0));
+  EXPECT_FALSE(unpack(std::vector<std::uint8_t>{0, 1, 0, 4}, 1, 1)) << "a code over 3";
+}
+
 TEST(DisparityMessages, EveryGridComesBackExactly) {
   for (const auto& [rows, columns] :
        {std::pair{1, 1}, {1, 8}, {9, 1}, {2, 3}, {31, 17}, {90, 120}}) {

@@ -3,9 +3,9 @@
 // harden.cmake, does not get past this.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <regex>
 #include <sstream>
 
 #include "fuzz/lcm_schema.hpp"
@@ -34,11 +34,25 @@ std::string hardened_header(const std::string& type) {
   return text_of(fs::path(CAIRN_BINARY_DIR) / "lcmtypes/include/cairn" / (type + ".hpp"));
 }
 
-std::ptrdiff_t count(const std::string& text, const std::regex& pattern) {
-  return std::distance(std::sregex_iterator(text.begin(), text.end(), pattern), {});
+/// The lines without the spaces before them.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    lines.push_back(line.substr(std::min(line.size(), line.find_first_not_of(' '))));
+  }
+  return lines;
 }
 
-std::ptrdiff_t count(const std::string& text, const std::string& words) {
+/// What stands between `before` and `after`; empty if that is not there.
+std::string between(const std::string& line, const std::string& before, const std::string& after) {
+  const auto found = line.find(before);
+  if (found == std::string::npos) return {};
+  const auto begin = found + before.size();
+  return line.substr(begin, line.find(after, begin) - begin);
+}
+
+std::ptrdiff_t count_of(const std::string& text, const std::string& words) {
   std::ptrdiff_t found = 0;
   for (auto at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++found;
   return found;
@@ -59,15 +73,23 @@ TEST(Hardening, EveryTypeHasAHeader) {
 }
 
 TEST(Hardening, EveryResizeIsGuarded) {
-  const std::regex guarded(
-      R"(if \(static_cast<int64_t>\(([\w>-]+)\) < 0 \|\| static_cast<int64_t>\(\1\) > static_cast<int64_t>\(maxlen\) - pos\) return -1; this->\w+(\[a\d+\])*\.resize\(static_cast<size_t>\(\1\)\);)");
   std::ptrdiff_t all = 0;
   for (const auto& [type, fields] : schema().types()) {
     const std::string hardened = hardened_header(type);
-    const std::ptrdiff_t expected = count(raw_header(type), ".resize(");
-    EXPECT_EQ(count(hardened, guarded), expected) << type;
-    EXPECT_EQ(count(hardened, ".resize("), expected) << type;
-    all += expected;
+    std::ptrdiff_t guarded = 0;
+    for (const std::string& line : lines_of(hardened)) {
+      if (line.find(".resize(") == std::string::npos) continue;
+      const std::string count = between(line, ".resize(static_cast<size_t>(", "))");
+      const std::string guard = "if (static_cast<int64_t>(" + count +
+                                ") < 0 || static_cast<int64_t>(" + count +
+                                ") > static_cast<int64_t>(maxlen) - pos) return -1; this->";
+      ASSERT_FALSE(count.empty()) << type << ": " << line;
+      EXPECT_EQ(line.substr(0, guard.size()), guard) << type;
+      EXPECT_EQ(count_of(line, ".resize("), 1) << type;
+      ++guarded;
+    }
+    EXPECT_EQ(guarded, count_of(raw_header(type), ".resize(")) << type;
+    all += guarded;
   }
   EXPECT_GT(all, 20);
 }
@@ -77,22 +99,30 @@ TEST(Hardening, AsManyResizesAsVariableArrays) {
     const auto arrays =
         std::count_if(fields.begin(), fields.end(),
                       [](const testing::LcmField& field) { return field.variable(); });
-    EXPECT_EQ(count(raw_header(type), ".resize("), arrays) << type;
+    EXPECT_EQ(count_of(raw_header(type), ".resize("), arrays) << type;
   }
 }
 
 TEST(Hardening, EveryStringIsGuarded) {
-  const std::regex guarded(
-      R"(if \((__\w+_len__) < 1 \|\| \1 > maxlen - pos\) return -1;\s*this->\w+(\[a\d+\])*\.assign\(\(\(const char\*\)buf\) \+ offset \+ pos, \1 - 1\);)");
   std::ptrdiff_t all = 0;
   for (const auto& [type, fields] : schema().types()) {
     const auto strings =
         std::count_if(fields.begin(), fields.end(),
                       [](const testing::LcmField& field) { return field.type == "string"; });
-    const std::string hardened = hardened_header(type);
-    EXPECT_EQ(count(raw_header(type), ".assign("), strings) << type;
-    EXPECT_EQ(count(hardened, ".assign("), strings) << type;
-    EXPECT_EQ(count(hardened, guarded), strings) << type;
+    std::ptrdiff_t guarded = 0;
+    std::string line_before;
+    for (const std::string& line : lines_of(hardened_header(type))) {
+      if (line.find(".assign(") != std::string::npos) {
+        const std::string length = between(line, "offset + pos, ", " - 1);");
+        EXPECT_EQ(line_before,
+                  "if (" + length + " < 1 || " + length + " > maxlen - pos) return -1;")
+            << type;
+        ++guarded;
+      }
+      line_before = line;
+    }
+    EXPECT_EQ(count_of(raw_header(type), ".assign("), strings) << type;
+    EXPECT_EQ(guarded, strings) << type;
     all += strings;
   }
   EXPECT_GT(all, 10);
