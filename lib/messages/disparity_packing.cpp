@@ -11,6 +11,7 @@
 namespace cairn::messages {
 namespace {
 
+constexpr std::uint8_t kPlain = 0;
 constexpr std::uint8_t kVersion = 1;
 constexpr std::size_t kPreambleBytes = 9;  // version, columns, rows, bytes of the symbols
 constexpr std::uint8_t kValid = 4;
@@ -239,6 +240,24 @@ std::size_t number_at(std::span<const std::uint8_t> bytes, std::size_t at, std::
   return value;
 }
 
+Result<DisparityGrid> read_plain(std::span<const std::uint8_t> bytes, int rows, int columns) {
+  const std::size_t points = static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns);
+  if (!size_in_range(rows, columns) || bytes.size() != 3 * points) {
+    return fail("a plain grid of " + size_text(rows, columns) + " has 3 bytes a point, not " +
+                std::to_string(bytes.size()) + " in all");
+  }
+  DisparityGrid grid;
+  grid.disparity_16ths.create(rows, columns);
+  grid.code.create(rows, columns);
+  for (std::size_t i = 0; i < points; ++i) {
+    grid.disparity_16ths.ptr<std::uint16_t>()[i] =
+        static_cast<std::uint16_t>(bytes[2 * i] | bytes[2 * i + 1] << 8);
+    grid.code.ptr<std::uint8_t>()[i] = bytes[2 * points + i];
+    if (bytes[2 * points + i] > kMaxCode) return fail("a code is over 3");
+  }
+  return grid;
+}
+
 }  // namespace
 
 Result<Bytes> pack(const DisparityGrid& grid) {
@@ -265,6 +284,7 @@ Result<Bytes> pack(const DisparityGrid& grid) {
 }
 
 Result<DisparityGrid> unpack(std::span<const std::uint8_t> packed, int rows, int columns) {
+  if (!packed.empty() && packed[0] == kPlain) return read_plain(packed.subspan(1), rows, columns);
   if (packed.size() < kPreambleBytes) return fail("packed bytes end too early");
   if (packed[0] != kVersion) {
     return fail("packed in version " + std::to_string(packed[0]) + ", this program knows " +

@@ -27,7 +27,9 @@ inline constexpr int kMaxGridPoints = 1 << 22;
 /// sizes beyond the limits.
 [[nodiscard]] Result<Bytes> pack(const DisparityGrid& grid);
 
-/// Refuses bytes that do not give a grid of rows x columns, no more and no less.
+/// Takes what pack gave (its first byte is 1), or a plain grid, which anybody's program can write:
+/// a byte 0, then all disparities row by row (unsigned, 16 bits, low byte first), then all codes (a
+/// byte each). Refuses bytes that do not give a grid of rows x columns, no more and no less.
 [[nodiscard]] Result<DisparityGrid> unpack(std::span<const std::uint8_t> packed, int rows,
                                            int columns);
 

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace cairn::testing {
+
+/// Some seconds of a rendered room with true poses, as a dataset folder: rendered once per build
+/// folder, then kept.
+[[nodiscard]] std::filesystem::path rendered_room();
+
+/// The real street, where there is one.
+[[nodiscard]] std::optional<std::filesystem::path> real_street();
+
+inline constexpr const char* kNoStreet =
+    "no street recording: set CAIRN_DATA to a folder with sequence/kitti_1";
+
+/// A program of the project.
+[[nodiscard]] std::string program(const std::string& name);
+
+}  // namespace cairn::testing
