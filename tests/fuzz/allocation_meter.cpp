@@ -13,9 +13,12 @@ namespace cairn::testing {
 std::size_t allocated_bytes() { return allocated.load(std::memory_order_relaxed); }
 }  // namespace cairn::testing
 
-void* operator new(std::size_t size) {
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   allocated.fetch_add(size, std::memory_order_relaxed);
-  if (void* memory = std::malloc(size)) return memory;
+  return std::malloc(size);
+}
+void* operator new(std::size_t size) {
+  if (void* memory = operator new(size, std::nothrow)) return memory;
   throw std::bad_alloc();
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
