@@ -62,7 +62,7 @@ std::int64_t random_session() {
 }
 
 int run(const ProcessDescription& description, const Options& options) {
-  const StopSignal stop;
+  StopSignal stop;
   const auto bus = open_bus(options.lcm_url);
   if (!bus) {
     spdlog::error("{}: {}", description.name, bus.error().message);

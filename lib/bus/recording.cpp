@@ -100,6 +100,13 @@ bool RecordingReader::event_may_start_at(std::uint64_t offset) const {
   return size_ - offset < kHeaderSize || sync_at(offset) || header_at(offset).has_value();
 }
 
+bool RecordingReader::event_starts_within(std::uint64_t begin, std::uint64_t end) const {
+  for (std::uint64_t offset = begin; offset < end; ++offset) {
+    if (sync_at(offset) && header_at(offset)) return true;
+  }
+  return false;
+}
+
 std::optional<RecordedMessage> RecordingReader::next() {
   const std::uint64_t start = position_;
   for (std::uint64_t offset = start; offset + kHeaderSize <= size_; ++offset) {
@@ -110,7 +117,8 @@ std::optional<RecordedMessage> RecordingReader::next() {
     if (!header) continue;
     const std::uint64_t data = offset + kHeaderSize + header->channel_size;
     const std::uint64_t end = data + header->data_size;
-    if (!event_may_start_at(end)) continue;
+    // What follows may be junk; but a length that reaches into another event is a damaged one.
+    if (!event_may_start_at(end) && event_starts_within(offset + kHeaderSize, end)) continue;
     if (offset > start) {
       damaged_bytes_ += offset - start;
       ++damaged_places_;

@@ -57,6 +57,7 @@ class RecordingReader {
   [[nodiscard]] std::optional<EventHeader> header_at(std::uint64_t offset) const;
   [[nodiscard]] bool sync_at(std::uint64_t offset) const;
   [[nodiscard]] bool event_may_start_at(std::uint64_t offset) const;
+  [[nodiscard]] bool event_starts_within(std::uint64_t begin, std::uint64_t end) const;
 
   std::string name_;
   std::shared_ptr<const std::uint8_t> bytes_;  ///< the whole file, mapped

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 namespace cairn::bus {
 
-/// SIGINT and SIGTERM as something to look at, not something that interrupts; SIGPIPE is ignored.
-/// To be made before the program has threads.
+/// SIGINT, SIGTERM and SIGHUP as something to look at, not something that interrupts; SIGPIPE is
+/// ignored. To be made before the program has threads.
 class StopSignal {
  public:
   StopSignal();
@@ -12,10 +14,12 @@ class StopSignal {
   StopSignal& operator=(const StopSignal&) = delete;
   ~StopSignal();
 
-  [[nodiscard]] bool arrived() const;
+  /// Waits up to `timeout_us` for one; true as soon as one has come, and from then on.
+  [[nodiscard]] bool arrived(std::int64_t timeout_us = 0);
 
  private:
   int fd_;
+  bool arrived_ = false;
 };
 
 }  // namespace cairn::bus

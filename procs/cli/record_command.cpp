@@ -18,7 +18,7 @@ struct Options {
 };
 
 int record(const Options& options) {
-  const bus::StopSignal stop;
+  bus::StopSignal stop;
   const auto bus = bus::open_bus(options.lcm_url);
   if (!bus) return failed(bus.error().message);
   auto writer = bus::RecordingWriter::create(options.out);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "procs/cli/recording_player.hpp"
 
+#include <cmath>
+
 #include "bus/channels.hpp"
 #include "bus/codec.hpp"
 
@@ -8,6 +10,7 @@ namespace cairn::cli {
 namespace {
 
 constexpr std::int64_t kStepPeriod_us = 1000;
+constexpr std::int64_t kLongestPause_us = 5 * kMicrosecondsPerSecond;
 
 // STEREO_FRAME where there are any, else DISPARITY.
 Result<std::string> frame_channel_of(bus::RecordingReader& reader,
@@ -43,7 +46,7 @@ RecordingPlayer::RecordingPlayer(bus::RecordingReader reader, std::string frame_
       bus_{bus},
       node_{node} {
   next_ = reader_.next();
-  first_recorded_us_ = next_->recorded_us;
+  latest_recorded_us_ = next_->recorded_us;
   node.every_host(kStepPeriod_us, [this] { step(); });
 }
 
@@ -59,18 +62,31 @@ void RecordingPlayer::step() {
   if (!started_us_) started_us_ = node_.host_time();
   const double played_us = speed_ * static_cast<double>(node_.host_time() - *started_us_);
   bool frame_played = false;
-  while (next_ && !frame_played &&
-         static_cast<double>(next_->recorded_us - first_recorded_us_) <= played_us) {
+  while (next_ && !frame_played && next_due_us_ <= played_us) {
+    const std::int64_t recorded_us = next_->recorded_us;
     if (is_input(next_->message.channel)) {
       frame_played = next_->message.channel == frame_channel_;
       frames_ += frame_played ? 1 : 0;
       play(std::move(next_->message));
     }
     next_ = reader_.next();
+    if (next_) schedule_next(recorded_us);
   }
   if (next_) return;
   if (!reader_.damage().empty()) node_.log(bus::Level::kWarning, reader_.damage());
   node_.request_stop();
+}
+
+// Recorders write neighbours in swapped order now and then; only the latest time so far counts.
+void RecordingPlayer::schedule_next(std::int64_t last_recorded_us) {
+  const double leap_us =
+      static_cast<double>(next_->recorded_us) - static_cast<double>(last_recorded_us);
+  if (std::abs(leap_us) > static_cast<double>(kLongestPause_us)) {
+    latest_recorded_us_ = next_->recorded_us;
+  } else if (next_->recorded_us > latest_recorded_us_) {
+    next_due_us_ += static_cast<double>(next_->recorded_us - latest_recorded_us_);
+    latest_recorded_us_ = next_->recorded_us;
+  }
 }
 
 // The bytes as they were recorded, but for the time of sending, which is now.

@@ -14,7 +14,8 @@ namespace cairn::cli {
 /// Plays the inputs of a recording (STEREO_FRAME, CALIBRATION, WHEEL_STATE, RANGE, CLOCK; of a
 /// depth recording DISPARITY) into a bus, at the recording's pace times `speed`. Never a command,
 /// never a result. At most one frame a step, so that in lockstep each frame is worked off before
-/// the next.
+/// the next. A leap of over five seconds in the recording's times is left out: it is damage, or a
+/// pause that nobody misses.
 class RecordingPlayer {
  public:
   /// An error says why this is no recording, or that it holds no frames.
@@ -30,6 +31,7 @@ class RecordingPlayer {
 
  private:
   void step();
+  void schedule_next(std::int64_t last_recorded_us);
   void play(bus::RawMessage message);
   [[nodiscard]] bool is_input(const std::string& channel) const;
 
@@ -40,7 +42,8 @@ class RecordingPlayer {
   bus::Node& node_;
   std::optional<bus::RecordedMessage> next_;
   std::optional<HostTime> started_us_;
-  std::int64_t first_recorded_us_ = 0;
+  std::int64_t latest_recorded_us_ = 0;
+  double next_due_us_ = 0;  ///< since the beginning, in the recording's time
   std::int64_t frames_ = 0;
 };
 

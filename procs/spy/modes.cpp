@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <iostream>
 
+#include "bus/stop_signal.hpp"
 #include "core/time.hpp"
 #include "procs/spy/embedded_types.hpp"
 #include "procs/spy/feed.hpp"
 #include "procs/spy/report.hpp"
-#include "procs/spy/stop_signal.hpp"
 #include "procs/spy/terminal.hpp"
 #include "procs/spy/view.hpp"
 
@@ -44,7 +44,7 @@ void print(const Schema& schema, const Options& options, const Snapshot& snapsho
 }
 
 /// Waits for the end of a recording and shows how far it is; false when told to stop.
-bool wait_for_end(Feed& feed, StopSignal& stop) {
+bool wait_for_end(Feed& feed, bus::StopSignal& stop) {
   const bool on_terminal = ::isatty(STDERR_FILENO) != 0;
   std::int64_t waited_us = 0;
   while (!feed.ended()) {
@@ -57,7 +57,7 @@ bool wait_for_end(Feed& feed, StopSignal& stop) {
   return true;
 }
 
-int report_once(const Schema& schema, const Options& options, Feed& feed, StopSignal& stop) {
+int report_once(const Schema& schema, const Options& options, Feed& feed, bus::StopSignal& stop) {
   if (options.log.empty()) {
     (void)stop.arrived(static_cast<std::int64_t>(options.seconds * 1e6));
   } else if (!wait_for_end(feed, stop)) {
@@ -68,7 +68,7 @@ int report_once(const Schema& schema, const Options& options, Feed& feed, StopSi
 }
 
 int report_every_second(const Schema& schema, const Options& options, Feed& feed,
-                        StopSignal& stop) {
+                        bus::StopSignal& stop) {
   while (!stop.arrived(kMicrosecondsPerSecond)) {
     print(schema, options, feed.snapshot());
     if (!options.json) std::cout << "\n";
@@ -76,7 +76,7 @@ int report_every_second(const Schema& schema, const Options& options, Feed& feed
   return 0;
 }
 
-int show(const Schema& schema, const Options& options, Feed& feed, StopSignal& stop,
+int show(const Schema& schema, const Options& options, Feed& feed, bus::StopSignal& stop,
          Terminal& terminal) {
   View view(schema, source_of(options), options.channel);
   Snapshot snapshot;
@@ -94,7 +94,7 @@ int show(const Schema& schema, const Options& options, Feed& feed, StopSignal& s
 }  // namespace
 
 int run(const Options& options) {
-  StopSignal stop;
+  bus::StopSignal stop;
   const auto schema = Schema::parse(embedded_files());
   if (!schema) {
     std::cerr << schema.error().message << "\n";

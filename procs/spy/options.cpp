@@ -41,6 +41,7 @@ tl::expected<Options, int> parse_options(int argc, char** argv) {
                "for scripts: one JSON object a report (without --once: one a line, once a second)");
   app.add_option("--channel", options.channel, "show the fields of this channel's newest message")
       ->type_name("NAME");
+  app.set_version_flag("--version", std::string("cairn ") + CAIRN_VERSION);
   app.footer(
       "On a terminal: arrow keys choose a channel, enter shows its fields, p stops and starts, q "
       "ends.\n\n"

@@ -113,7 +113,7 @@ TEST_F(GroupTest, WhatLcmLoggerCapturedPlaysAgainByLockstepAndByLcmLogplayer) {
   TemporaryFolder folder;
   const fs::path log = folder.path() / "run.lcmlog";
   {
-    LiveGroup group(dataset, 0.5);
+    LiveGroup group(dataset);
     group.start("lcm-logger", {"/usr/bin/lcm-logger", "-q", "--lcm-url", kStockUrl, log});
     run(group);
   }
@@ -127,7 +127,7 @@ TEST_F(GroupTest, WhatLcmLoggerCapturedPlaysAgainByLockstepAndByLcmLogplayer) {
   LiveGroup group(dataset);
   for (const char* process : {"stereo", "odometry", "mapper"}) group.start(process);
   ASSERT_TRUE(group.listen_until_heard({"stereo", "odometry", "mapper"}));
-  group.start("lcm-logplayer", {"/usr/bin/lcm-logplayer", "-s", "0.5", "-l", kStockUrl, "-e",
+  group.start("lcm-logplayer", {"/usr/bin/lcm-logplayer", "-l", kStockUrl, "-e",
                                 "^(STEREO_FRAME|CALIBRATION|WHEEL_STATE|RANGE|CLOCK)$", log});
   ASSERT_EQ(group.wait("lcm-logplayer"), 0) << group.output("lcm-logplayer");
   group.listen_until_quiet();

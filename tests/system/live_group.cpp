@@ -76,9 +76,16 @@ void LiveGroup::listen_until_quiet() {
 }
 
 void LiveGroup::stop() {
-  for (auto& [name, child] : children_) child.signal(SIGTERM);
-  for (auto& [name, child] : children_) wait(name);
-  node_->spin_once(0);
+  for (const bool own : {true, false}) {
+    for (auto& [name, child] : children_) {
+      if (settings_.contains(name) == own) child.signal(SIGTERM);
+    }
+    for (auto& [name, child] : children_) {
+      if (settings_.contains(name) == own) wait(name);
+    }
+    // What was sent last has time to be written.
+    listen_until([] { return false; }, 0.2);
+  }
 }
 
 std::string LiveGroup::output(const std::string& name) const {

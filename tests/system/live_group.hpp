@@ -37,7 +37,8 @@ class LiveGroup {
   bool listen_until_heard(const std::vector<std::string>& processes);
   /// Listens until nothing has come for a second.
   void listen_until_quiet();
-  /// SIGTERM to all of the project's processes, and waits for their ends.
+  /// SIGTERM to the project's processes, then to all others (lcm-logger drops its backlog if it
+  /// ends before its senders), and waits for their ends.
   void stop();
 
   [[nodiscard]] cli::RunRecorder& heard() { return *recorder_; }
