@@ -8,6 +8,7 @@
 #include "core/result.hpp"
 #include "core/state_folder.hpp"
 #include "messages/calibration_memory.hpp"
+#include "messages/check.hpp"
 #include "messages/image_messages.hpp"
 #include "stereo/rectifier.hpp"
 
@@ -25,6 +26,7 @@ class RectifiedFrames {
   /// Refuses a frame whose calibration has not been heard of, images that are damaged, and a rig
   /// that cannot be rectified.
   [[nodiscard]] Result<stereo::RectifiedPair> rectify(const stereo_frame_t& frame) {
+    if (auto good = check(frame); !good) return tl::make_unexpected(good.error());
     const camera::RigCalibration* rig = calibrations_.find(frame.calibration_id);
     if (rig == nullptr) return fail("its CALIBRATION has not been heard yet");
     if (!rectifier_ || calibration_id_ != frame.calibration_id) {

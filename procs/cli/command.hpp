@@ -17,6 +17,7 @@ void add_replay(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_stereo(CLI::App& app, Run& run);
 void add_eval(CLI::App& app, Run& run);
+void add_map(CLI::App& app, Run& run);
 void add_spy(CLI::App& app, Run& run);
 
 /// Prints why, and gives the exit code of a failure.

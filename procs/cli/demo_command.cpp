@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 #include <memory>
 
 #include "camera/rig_calibration.hpp"
@@ -66,11 +65,7 @@ int demo(Options& options) {
   if (!plan) return failed(plan.error().message);
   const auto results = run_live(*plan, map_against_world(*world, rig, path));
   if (!results) return failed(results.error().message);
-  if (options.json) {
-    std::cout << evaluation::to_json(results->report).dump(2) << "\n";
-  } else {
-    print_results(*plan, *results);
-  }
+  print_results(*plan, *results, options.json);
   return 0;
 }
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <iostream>
 #include <memory>
 
 #include "procs/cli/command.hpp"
@@ -26,11 +25,7 @@ int replay(Options& options) {
   if (auto prepared = prepare_run_folder(*plan); !prepared) return failed(prepared.error().message);
   const auto results = options.lockstep ? run_lockstep(*plan) : run_live(*plan);
   if (!results) return failed(results.error().message);
-  if (options.json) {
-    std::cout << evaluation::to_json(results->report).dump(2) << "\n";
-  } else {
-    print_results(*plan, *results);
-  }
+  print_results(*plan, *results, options.json);
   return 0;
 }
 

@@ -139,7 +139,11 @@ Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorde
   return results;
 }
 
-void print_results(const RunPlan& plan, const RunResults& results) {
+void print_results(const RunPlan& plan, const RunResults& results, bool json) {
+  if (json) {
+    std::printf("%s\n", evaluation::to_json(results.report).dump(2).c_str());
+    return;
+  }
   std::printf("%zu frames; %s\n", results.frames, results.report.reason.c_str());
   if (results.score) {
     const evaluation::TrajectoryScore& score = *results.score;

@@ -37,7 +37,7 @@ using ScoreMap = std::function<Result<evaluation::MapReport>(const mapping::Voxe
 [[nodiscard]] Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorder,
                                                const RunEnd& end, const ScoreMap& score_map = {});
 
-/// The same for people, on standard output.
-void print_results(const RunPlan& plan, const RunResults& results);
+/// The same on standard output: report.json itself, or words for people.
+void print_results(const RunPlan& plan, const RunResults& results, bool json);
 
 }  // namespace cairn::cli

@@ -5,6 +5,7 @@
 
 #include "core/checksum.hpp"
 #include "mapping/map_delta.hpp"
+#include "messages/check.hpp"
 #include "messages/disparity_messages.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/map_messages.hpp"
@@ -71,7 +72,9 @@ MapperNode::MapperNode(const Config& config, mapping::VoxelMap map, const mappin
   if (config.pose == "POSE") {
     node.join<channels::Disparity, channels::Pose>(
         [this](const disparity_t& seen, const pose_t& from) {
-          if (from.state == pose_t::STATE_TRACKING) {
+          if (auto good = messages::check(from); !good) {
+            node_.refuse(channels::Pose::name, good.error().message);
+          } else if (from.state == pose_t::STATE_TRACKING) {
             integrate(seen, from.T_map_body);
           } else {
             ++node_.counter("not_mapped_unsure_of_pose");
@@ -80,7 +83,9 @@ MapperNode::MapperNode(const Config& config, mapping::VoxelMap map, const mappin
   } else {
     node.join<channels::Disparity, channels::Odometry>(
         [this](const disparity_t& seen, const odometry_t& from) {
-          if (from.quality >= config_.min_quality) {
+          if (auto good = messages::check(from); !good) {
+            node_.refuse(channels::Odometry::name, good.error().message);
+          } else if (from.quality >= config_.min_quality) {
             integrate(seen, from.T_odom_body);
           } else {
             ++node_.counter("not_mapped_unsure_of_pose");
