@@ -110,7 +110,9 @@ void RunRecorder::hear_status(const bus::RawMessage& raw) {
 
 std::map<std::string, std::uint64_t> RunRecorder::restarts() const {
   std::map<std::string, std::uint64_t> restarts;
-  for (const auto& [process, sessions] : sessions_) restarts[process] = sessions.size() - 1;
+  for (const auto& [process, sessions] : sessions_) {
+    if (process != node_.process()) restarts[process] = sessions.size() - 1;
+  }
   return restarts;
 }
 
