@@ -45,11 +45,11 @@ bool Lockstep::wave() {
   return !busy.empty();
 }
 
-void Lockstep::run(const Node& source, const std::function<void()>& after_step) {
+void Lockstep::run(const Node& source, const std::function<bool()>& go_on) {
   while (true) {
     while (wave()) {
     }
-    if (after_step) after_step();
+    if (go_on && !go_on()) break;
     if (source.stopping()) break;
     HostTime next = nodes_.front()->next_deadline_us();
     for (const auto& node : nodes_) next = std::min(next, node->next_deadline_us());

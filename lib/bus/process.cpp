@@ -118,6 +118,10 @@ int run_process(int argc, char** argv, ProcessDescription description) {
     std::cerr << loaded.error().message << "\n";
     return kExitUsage;
   }
+  if (auto checked = description.check(); !checked) {
+    std::cerr << checked.error().message << "\n";
+    return kExitUsage;
+  }
   if (options.print_config) {
     std::cout << print_config(description.name, description.visit_config);
     return 0;

@@ -23,6 +23,8 @@ struct ProcessDescription {
   std::string name;
   std::string about;
   VisitConfig visit_config;
+  /// What is wrong with the config as a whole, beyond its single keys.
+  std::function<Result<void>()> check;
   /// Builds the process on the node; the value's call ends it (saves what it has).
   std::function<Result<std::function<Result<void>()>>(Node&)> start;
 };
@@ -33,7 +35,8 @@ struct ProcessDescription {
 [[nodiscard]] int run_process(int argc, char** argv, ProcessDescription description);
 
 /// `ProcessNode` has: `kName`, `kAbout`, `Config`, `static Result<std::unique_ptr<ProcessNode>>
-/// create(const Config&, Node&)`, and `Result<void> finish()`.
+/// create(const Config&, Node&)`, `Result<void> finish()`, and, where keys depend on each other,
+/// `static Result<void> check(const Config&)`.
 template <class ProcessNode>
 [[nodiscard]] int run_process(int argc, char** argv) {
   typename ProcessNode::Config config;
@@ -41,6 +44,12 @@ template <class ProcessNode>
       argc, argv,
       ProcessDescription{ProcessNode::kName, ProcessNode::kAbout,
                          [&](ConfigVisitor& visitor) { config.visit(visitor); },
+                         [&]() -> Result<void> {
+                           if constexpr (requires { ProcessNode::check(config); }) {
+                             return ProcessNode::check(config);
+                           }
+                           return {};
+                         },
                          [&](Node& node) -> Result<std::function<Result<void>()>> {
                            auto created = ProcessNode::create(config, node);
                            if (!created) return tl::make_unexpected(created.error());

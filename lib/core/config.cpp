@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/config.hpp"
 
+#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -273,8 +275,11 @@ std::string joined(const std::vector<std::string>& lines) {
 
 Result<YAML::Node> parse_file(const std::filesystem::path& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) {
-    return fail(file.string() + ": no such file");
+  if (!std::filesystem::exists(file, error)) return fail(file.string() + ": no such file");
+  if (!std::filesystem::is_regular_file(file, error))
+    return fail(file.string() + ": is not a file");
+  if (::access(file.c_str(), R_OK) != 0) {
+    return fail(file.string() + ": cannot open: " + std::strerror(errno));
   }
   try {
     YAML::Node root = YAML::LoadFile(file.string());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/checksum.hpp"
 #include "messages/calibration_messages.hpp"
 #include "messages/disparity_messages.hpp"
 #include "procs/camera/open_source.hpp"
@@ -18,9 +19,12 @@ constexpr std::int64_t kCalibrationPeriod_us = kMicrosecondsPerSecond;
 constexpr std::int64_t kClockPeriod_us = 50'000;
 /// A live camera is asked for its next pair at once; next() waits for it.
 constexpr std::int64_t kLivePollPeriod_us = 1'000;
+/// After a failure it is given this long.
+constexpr std::int64_t kRetry_us = 500'000;
 
 /// What a restarted camera goes on with.
 struct Position {
+  std::uint64_t recording_id;
   std::int64_t next_index;
   std::int32_t jpeg_quality;
 };
@@ -57,13 +61,22 @@ void CameraNode::resume() {
   Position position{};
   if (!bytes || bytes->size() != sizeof(position)) return;
   std::memcpy(&position, bytes->data(), sizeof(position));
+  if (position.recording_id != recording_id()) return;
   source_->seek(position.next_index);
   encoder_.set_quality(position.jpeg_quality);
   node_.log(bus::Level::kInfo, "goes on at frame " + std::to_string(position.next_index));
 }
 
+// Tells one recording from another, so that a position in one is not taken for one in the other.
+std::uint64_t CameraNode::recording_id() const {
+  const std::string name = config_.source + "\n" + config_.dataset + "\n" + config_.video_left +
+                           "\n" + std::to_string(source_->size().value_or(0));
+  return fnv1a_64({reinterpret_cast<const std::uint8_t*>(name.data()), name.size()}, rig_.id);
+}
+
 void CameraNode::remember(std::int64_t next_index) {
   Position position{};
+  position.recording_id = recording_id();
   position.next_index = next_index;
   position.jpeg_quality = encoder_.quality();
   std::vector<std::uint8_t> bytes(sizeof(position));
@@ -100,17 +113,23 @@ void CameraNode::publish_next_frame() {
     node_.request_stop();
     return;
   }
+  if (node_.host_time() < retry_us_) return;
   const auto frame = source_->next();
-  if (!frame) {
-    node_.refuse(bus::channels::StereoFrame::name, frame.error().message);
-    return;
-  }
+  if (!frame) return take_error(frame.error().message);
+  node_.set_health(bus::Health::kOk, "");
   publish_clock(frame->utime);
   if (!publish_frame(*frame)) return;
   ++published_;
   last_utime_ = frame->utime;
   last_frame_host_us_ = node_.host_time();
   if (source_->size()) remember(frame->index + 1);
+}
+
+void CameraNode::take_error(const std::string& why) {
+  node_.refuse(bus::channels::StereoFrame::name, why);
+  if (source_->size()) return;
+  node_.set_health(bus::Health::kIll, why);
+  retry_us_ = node_.host_time() + kRetry_us;
 }
 
 bool CameraNode::publish_frame(const camera::Frame& frame) {

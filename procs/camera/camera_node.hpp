@@ -74,6 +74,8 @@ class CameraNode {
   void publish_clock(Utime utime);
   void tick_between_frames();
   void publish_next_frame();
+  void take_error(const std::string& why);
+  [[nodiscard]] std::uint64_t recording_id() const;
   [[nodiscard]] bool publish_frame(const camera::Frame& frame);
   [[nodiscard]] bool publish_stereo(const camera::Frame& frame);
   [[nodiscard]] bool publish_depth(const camera::Frame& frame);
@@ -85,6 +87,7 @@ class CameraNode {
   messages::FrameEncoder encoder_;
   std::optional<Utime> last_utime_;
   HostTime last_frame_host_us_ = 0;
+  HostTime retry_us_ = 0;  ///< when a live camera that failed is tried again
   std::int64_t published_ = 0;
 };
 

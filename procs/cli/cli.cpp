@@ -30,6 +30,12 @@ int run(int argc, char** argv) {
       return failed("'test' is a word of the cairn script in the root of the source: ./cairn test");
     };
   });
+  const std::string word = argc > 1 ? argv[1] : "-";
+  const auto named = [&](const CLI::App* command) { return command->get_name() == word; };
+  if (!word.starts_with('-') && app.get_subcommands(named).empty()) {
+    std::cerr << "unknown word '" << argv[1] << "'; cairn --help lists them\n";
+    return kExitUsage;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -47,8 +47,10 @@ void show_rendering(std::size_t done, std::size_t all) {
 }
 
 int demo(Options& options) {
-  if (auto prepared = prepare_run_folder(options.plan); !prepared)
-    return failed(prepared.error().message);
+  if (auto checked = check_config(options.plan); !checked) {
+    failed(checked.error().message);
+    return kExitUsage;
+  }
   const auto world =
       simulation::load_world(options.world.empty() ? shared_file("config/worlds/room.yaml")
                                                    : std::filesystem::path(options.world));
@@ -57,6 +59,9 @@ int demo(Options& options) {
   const evaluation::Trajectory path = simulation::drive_round(simulation::room_tour_m(), {});
   simulation::SequenceConfig sequence;
   sequence.seed = static_cast<std::uint64_t>(options.seed);
+  const auto folder = RunFolder::open(options.plan);
+  if (!folder) return failed(folder.error().message);
+  std::fprintf(stderr, "rendering %zu views of a room, then driving through it\n", path.size());
   options.plan.source = options.plan.out / "sequence";
   const auto rendered =
       simulation::render_sequence(*world, rig, path, sequence, options.plan.source, show_rendering);
@@ -66,7 +71,7 @@ int demo(Options& options) {
   const auto results = run_live(*plan, map_against_world(*world, rig, path));
   if (!results) return failed(results.error().message);
   print_results(*plan, *results, options.json);
-  return 0;
+  return results->report.finished ? 0 : kExitFailure;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <memory>
 #include <random>
 
+#include "bus/stop_signal.hpp"
 #include "procs/cli/child_process.hpp"
 #include "procs/cli/recording_player.hpp"
 
@@ -17,6 +18,7 @@ namespace cairn::cli {
 namespace {
 
 constexpr std::int64_t kSpin_us = 20'000;
+constexpr std::int64_t kLongestHeartbeat_us = 1'200'000;
 constexpr std::int64_t kLongestStart_us = 30 * kMicrosecondsPerSecond;
 constexpr std::int64_t kLongestStop_us = 20 * kMicrosecondsPerSecond;
 /// When nothing has come for so long after the last frame, all is worked off.
@@ -24,10 +26,11 @@ constexpr std::int64_t kQuiet_us = kMicrosecondsPerSecond;
 
 class LiveGroup {
  public:
-  LiveGroup(const RunPlan& plan, bus::Bus& bus, const bus::HostClock& clock)
+  LiveGroup(const RunPlan& plan, bus::Bus& bus, const bus::HostClock& clock, bus::StopSignal& stop)
       : plan_{plan},
         bus_{bus},
         clock_{clock},
+        stop_{stop},
         node_("replay", bus, clock, {}, std::random_device{}()) {}
 
   Result<RunResults> run(const ScoreMap& score_map) {
@@ -35,6 +38,7 @@ class LiveGroup {
     if (!recorder) return tl::make_unexpected(recorder.error());
     recorder_ = std::move(*recorder);
     if (!node_.wiring()) return tl::make_unexpected(node_.wiring().error());
+    if (auto alone = check_alone(); !alone) return tl::make_unexpected(alone.error());
     for (const char* process : {"stereo", "odometry", "mapper"}) {
       if (auto started = start(process); !started) return tl::make_unexpected(started.error());
     }
@@ -42,9 +46,14 @@ class LiveGroup {
     const HostTime begin_us = clock_.now_us();
     if (auto played = play(); !played) return tl::make_unexpected(played.error());
     const HostTime end_us = clock_.now_us();
-    wait_until_quiet();
-    stop();
     RunEnd end{true, "the recording is at its end", true, std::nullopt};
+    if (stop_.arrived()) {
+      end.finished = false;
+      end.reason = "stopped before the recording's end";
+    } else {
+      wait_until_quiet();
+    }
+    stop();
     const evaluation::Trajectory& trajectory = recorder_->trajectory();
     if (trajectory.size() > 1 && end_us > begin_us) {
       end.realtime_factor =
@@ -68,7 +77,22 @@ class LiveGroup {
     return {};
   }
 
+  // A heartbeat is heard within a second where another group is on this bus.
+  Result<void> check_alone() {
+    const HostTime until_us = clock_.now_us() + kLongestHeartbeat_us;
+    while (clock_.now_us() < until_us) node_.spin_once(kSpin_us);
+    for (const char* process : {"camera", "stereo", "odometry", "mapper"}) {
+      if (!recorder_->heard(process)) continue;
+      return fail(std::string("another group's ") + process +
+                  " is on this bus already; end it, or choose another port: --lcm-url "
+                  "udpm://239.255.76.67:7668?ttl=0");
+    }
+    return {};
+  }
+
+  // Ctrl-C in a terminal ends them too; that is no failure.
   Result<void> any_ended() {
+    if (stop_.arrived()) return {};
     for (auto& [process, child] : children_) {
       if (const auto code = child.exit_code(); code && process != "camera") {
         return fail(process + " ended with code " + std::to_string(*code) + "; see " +
@@ -84,7 +108,7 @@ class LiveGroup {
       return std::all_of(children_.begin(), children_.end(),
                          [&](const auto& child) { return recorder_->heard(child.first); });
     };
-    while (!heard()) {
+    while (!heard() && !stop_.arrived()) {
       node_.spin_once(kSpin_us);
       if (auto ended = any_ended(); !ended) return ended;
       if (clock_.now_us() > deadline_us)
@@ -98,10 +122,11 @@ class LiveGroup {
     if (plan_.source_is_dataset) {
       if (auto started = start("camera"); !started) return started;
       std::optional<int> code;
-      while (!(code = children_.at("camera").exit_code())) {
+      while (!stop_.arrived() && !(code = children_.at("camera").exit_code())) {
         spin_and_show();
         if (auto ended = any_ended(); !ended) return ended;
       }
+      if (!code) return {};
       if (*code != 0) {
         return fail("camera ended with code " + std::to_string(*code) + "; see " +
                     (plan_.out / "log/camera.log").string());
@@ -110,7 +135,7 @@ class LiveGroup {
     }
     const auto player = RecordingPlayer::create(plan_.source, plan_.speed, bus_, node_);
     if (!player) return tl::make_unexpected(player.error());
-    while (!node_.stopping()) {
+    while (!stop_.arrived() && !node_.stopping()) {
       spin_and_show();
       if (auto ended = any_ended(); !ended) return ended;
     }
@@ -147,6 +172,7 @@ class LiveGroup {
   const RunPlan& plan_;
   bus::Bus& bus_;
   const bus::HostClock& clock_;
+  bus::StopSignal& stop_;
   bus::Node node_;
   std::unique_ptr<RunRecorder> recorder_;
   std::map<std::string, ChildProcess> children_;
@@ -157,10 +183,11 @@ class LiveGroup {
 Result<RunResults> run_live(const RunPlan& plan, const ScoreMap& score_map) {
   std::error_code error;
   std::filesystem::create_directories(plan.out / "log", error);
+  bus::StopSignal stop;
   const auto bus = bus::open_bus(plan.lcm_url);
   if (!bus) return tl::make_unexpected(bus.error());
   const bus::SteadyClock clock;
-  return LiveGroup(plan, **bus, clock).run(score_map);
+  return LiveGroup(plan, **bus, clock, stop).run(score_map);
 }
 
 }  // namespace cairn::cli

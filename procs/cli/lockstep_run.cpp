@@ -8,6 +8,7 @@
 
 #include "bus/lockstep.hpp"
 #include "bus/process.hpp"
+#include "bus/stop_signal.hpp"
 #include "camera/frame_source.hpp"
 #include "procs/camera/camera_node.hpp"
 #include "procs/cli/recording_player.hpp"
@@ -40,16 +41,21 @@ class Group {
     return {};
   }
 
-  Result<void> run() {
+  /// False if it was stopped before the recording's end.
+  Result<bool> run() {
+    bus::StopSignal stop;
     const bool show_progress = ::isatty(STDERR_FILENO) != 0;
     std::int64_t shown = 0;
     lockstep_.run(*source_node_, [&] {
-      if (!show_progress || recorder_->frames() == shown) return;
-      shown = recorder_->frames();
-      std::fprintf(stderr, "\rframe %lld", static_cast<long long>(shown));
+      if (show_progress && recorder_->frames() != shown) {
+        shown = recorder_->frames();
+        std::fprintf(stderr, "\rframe %lld", static_cast<long long>(shown));
+      }
+      return !stop.arrived();
     });
     if (show_progress) std::fprintf(stderr, "\r\033[K");
-    return mapper_->finish();
+    if (auto finished = mapper_->finish(); !finished) return tl::make_unexpected(finished.error());
+    return source_node_->stopping();
   }
 
   [[nodiscard]] const RunRecorder& recorder() const { return *recorder_; }
@@ -113,9 +119,12 @@ class Group {
 Result<RunResults> run_lockstep(const RunPlan& plan) {
   Group group(plan);
   if (auto built = group.build(); !built) return tl::make_unexpected(built.error());
-  if (auto ran = group.run(); !ran) return tl::make_unexpected(ran.error());
-  return write_results(plan, group.recorder(),
-                       RunEnd{true, "the recording is at its end", false, std::nullopt});
+  const auto finished = group.run();
+  if (!finished) return tl::make_unexpected(finished.error());
+  const RunEnd end{*finished,
+                   *finished ? "the recording is at its end" : "stopped before the recording's end",
+                   false, std::nullopt};
+  return write_results(plan, group.recorder(), end);
 }
 
 }  // namespace cairn::cli

@@ -16,17 +16,26 @@ struct Options {
   std::string poses = "odometry";
 };
 
+int wrong_usage(const std::string& message) {
+  failed(message);
+  return kExitUsage;
+}
+
 int replay(Options& options) {
   options.plan.truth_poses = options.poses == "truth";
-  if (options.plan.truth_poses && !options.lockstep)
-    return failed("--poses truth: works with --lockstep alone");
+  if (options.plan.truth_poses && !options.lockstep) {
+    return wrong_usage("--poses truth: works with --lockstep alone");
+  }
+  if (auto checked = check_config(options.plan); !checked)
+    return wrong_usage(checked.error().message);
   auto plan = complete(options.plan);
   if (!plan) return failed(plan.error().message);
-  if (auto prepared = prepare_run_folder(*plan); !prepared) return failed(prepared.error().message);
+  const auto folder = RunFolder::open(*plan);
+  if (!folder) return failed(folder.error().message);
   const auto results = options.lockstep ? run_lockstep(*plan) : run_live(*plan);
   if (!results) return failed(results.error().message);
   print_results(*plan, *results, options.json);
-  return 0;
+  return results->report.finished ? 0 : kExitFailure;
 }
 
 }  // namespace

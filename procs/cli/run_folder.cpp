@@ -1,39 +1,80 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "procs/cli/run_folder.hpp"
 
-#include <algorithm>
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <string_view>
+#include <utility>
 
 namespace cairn::cli {
 namespace {
 
-constexpr std::array<std::string_view, 11> kOwn{
+namespace fs = std::filesystem;
+
+constexpr const char* kMark = ".cairn-run";
+constexpr std::array<std::string_view, 11> kWrittenByRuns{
     "trajectory.tum", "trajectory_final.tum", "truth.tum", "map.cairn", "map.png", "map.ply",
     "report.json",    "recording.lcmlog",     "state",     "log",       "sequence"};
 
-}  // namespace
+bool lies_in(const fs::path& path, const fs::path& folder) {
+  if (path.empty()) return false;
+  const std::string inner = fs::weakly_canonical(path).string() + "/";
+  return inner.starts_with(fs::weakly_canonical(folder).string() + "/");
+}
 
-Result<void> prepare_run_folder(RunPlan& plan) {
-  if (plan.out.empty()) plan.out = "out/replay";
-  std::error_code error;
-  std::filesystem::create_directories(plan.out, error);
-  if (error) return fail(plan.out.string() + ": cannot make the folder: " + error.message());
-  for (const auto& entry : std::filesystem::directory_iterator(plan.out, error)) {
-    const std::string name = entry.path().filename();
-    if (std::find(kOwn.begin(), kOwn.end(), name) == kOwn.end()) {
-      return fail(plan.out.string() + ": holds '" + name +
-                  "', which no run wrote; choose another --out");
+Result<void> check_apart(const RunPlan& plan) {
+  for (const fs::path& input : {plan.source, plan.map, plan.truth, plan.config_file}) {
+    if (lies_in(input, plan.out)) {
+      return fail(input.string() + ": lies in the folder that the results go to (" +
+                  plan.out.string() + "); choose another --out");
     }
   }
-  for (const std::string_view name : kOwn) {
-    if (plan.source.lexically_normal().string().starts_with(
-            (plan.out / name).lexically_normal().string()))
-      continue;
-    std::filesystem::remove_all(plan.out / name, error);
+  return {};
+}
+
+Result<void> check_ours(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder / kMark, error) || fs::is_empty(folder, error)) return {};
+  return fail(folder.string() + ": holds files that no run of cairn wrote; choose another --out");
+}
+
+Result<int> lock(const fs::path& folder) {
+  const fs::path mark = folder / kMark;
+  const int fd = ::open(mark.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd < 0) return fail(mark.string() + ": cannot write: " + std::strerror(errno));
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
+  ::close(fd);
+  return fail(folder.string() + ": another run is writing into it; choose another --out");
+}
+
+}  // namespace
+
+Result<RunFolder> RunFolder::open(RunPlan& plan) {
+  if (plan.out.empty()) plan.out = "out/replay";
+  std::error_code error;
+  fs::create_directories(plan.out, error);
+  if (error) return fail(plan.out.string() + ": cannot make the folder: " + error.message());
+  if (auto apart = check_apart(plan); !apart) return tl::make_unexpected(apart.error());
+  if (auto ours = check_ours(plan.out); !ours) return tl::make_unexpected(ours.error());
+  const auto locked = lock(plan.out);
+  if (!locked) return tl::make_unexpected(locked.error());
+  RunFolder folder(*locked);
+  for (const std::string_view name : kWrittenByRuns) {
+    fs::remove_all(plan.out / name, error);
     if (error) return fail((plan.out / name).string() + ": cannot remove: " + error.message());
   }
-  return {};
+  return folder;
+}
+
+RunFolder::RunFolder(RunFolder&& other) noexcept : lock_{std::exchange(other.lock_, -1)} {}
+
+RunFolder::~RunFolder() {
+  if (lock_ >= 0) ::close(lock_);
 }
 
 }  // namespace cairn::cli

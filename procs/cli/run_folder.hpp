@@ -5,9 +5,27 @@
 
 namespace cairn::cli {
 
-/// Makes plan.out (default out/replay) ready for a new run: what an earlier run left there of this
-/// program's own files is removed; a folder that holds anything else is refused, so that nobody's
-/// files are lost.
-[[nodiscard]] Result<void> prepare_run_folder(RunPlan& plan);
+/// The folder that a run writes into, held by a lock for as long as this lives.
+///
+/// A folder is taken if it is new, empty, or holds the mark of an earlier run; of that run's files
+/// only those that runs write are removed. Anything else is refused, so that nobody's files are
+/// lost: a folder that no run made, one that another run is writing into, and one that holds what
+/// this run is to read.
+class RunFolder {
+ public:
+  /// plan.out, by default out/replay. Everything that can be wrong with the plan should have been
+  /// found before.
+  [[nodiscard]] static Result<RunFolder> open(RunPlan& plan);
+
+  RunFolder(RunFolder&& other) noexcept;
+  RunFolder& operator=(RunFolder&&) = delete;
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+  ~RunFolder();
+
+ private:
+  explicit RunFolder(int lock) : lock_{lock} {}
+  int lock_;
+};
 
 }  // namespace cairn::cli

@@ -4,28 +4,68 @@
 #include <algorithm>
 
 #include "bus/process.hpp"
+#include "bus/recording.hpp"
 #include "camera/frame_source.hpp"
+#include "mapping/map_file.hpp"
+#include "procs/camera/camera_node.hpp"
+#include "procs/cli/truth.hpp"
+#include "procs/mapper/mapper_node.hpp"
+#include "procs/odometry/odometry_node.hpp"
+#include "procs/stereo/stereo_node.hpp"
 
 namespace cairn::cli {
 namespace {
 
 Result<void> check_settings(const RunPlan& plan) {
   for (const std::string& setting : plan.settings) {
-    const std::string process = setting.substr(0, setting.find('.'));
-    if (std::find(bus::kProcesses.begin(), bus::kProcesses.end(), process) ==
-        bus::kProcesses.end()) {
-      return fail(
-          "--set " + setting + ": '" + process +
-          "' is no process (form: PROCESS.KEY=VALUE; processes: camera, stereo, odometry, mapper)");
+    const std::string key = setting.substr(0, setting.find('='));
+    const std::size_t dot = key.find('.');
+    const std::string process = key.substr(0, dot);
+    if (dot == std::string::npos || std::find(bus::kProcesses.begin(), bus::kProcesses.end(),
+                                              process) == bus::kProcesses.end()) {
+      return fail("--set " + setting +
+                  ": must begin with a process (camera, stereo, odometry, mapper): --set " +
+                  "mapper.resolution_m=0.05");
     }
+  }
+  return {};
+}
+
+template <class Config>
+Result<Config> load(const RunPlan& plan, const char* process) {
+  return load_config<Config>(config_of(plan, process), process, bus::kProcesses);
+}
+
+Result<void> check_inputs(const RunPlan& plan) {
+  if (!plan.source_is_dataset) {
+    if (auto reader = bus::RecordingReader::open(plan.source); !reader)
+      return tl::make_unexpected(reader.error());
+  }
+  if (!plan.map.empty()) {
+    if (auto map = mapping::load_map(plan.map, {}); !map) return tl::make_unexpected(map.error());
+  }
+  if (!plan.truth.empty()) {
+    if (auto format = guess_format(plan.truth); !format) return tl::make_unexpected(format.error());
   }
   return {};
 }
 
 }  // namespace
 
+Result<void> check_config(const RunPlan& plan) {
+  if (auto checked = check_settings(plan); !checked) return checked;
+  if (auto camera = load<CameraConfig>(plan, "camera"); !camera)
+    return tl::make_unexpected(camera.error());
+  if (auto odometry = load<OdometryNode::Config>(plan, "odometry"); !odometry) {
+    return tl::make_unexpected(odometry.error());
+  }
+  if (auto mapper = load<MapperConfig>(plan, "mapper"); !mapper)
+    return tl::make_unexpected(mapper.error());
+  const auto stereo = load<StereoNode::Config>(plan, "stereo");
+  return stereo ? StereoNode::check(*stereo) : tl::make_unexpected(stereo.error());
+}
+
 Result<RunPlan> complete(RunPlan plan) {
-  if (auto checked = check_settings(plan); !checked) return tl::make_unexpected(checked.error());
   std::error_code error;
   if (!std::filesystem::exists(plan.source, error))
     return fail(plan.source.string() + ": no such file or folder");
@@ -38,11 +78,17 @@ Result<RunPlan> complete(RunPlan plan) {
       plan.truth_format = dataset->info.truth_format;
       plan.truth_frame = dataset->info.truth_frame;
     }
+    if (dataset->frames->is_depth() && !plan.truth_poses) {
+      return fail(
+          plan.source.string() +
+          ": a depth recording has no images to take odometry from; use --lockstep --poses truth");
+    }
     plan.map_resolution_m = dataset->info.map_resolution_m;
     plan.map_max_range_m = dataset->info.map_max_range_m;
   }
   if (plan.truth_poses && plan.truth.empty())
     return fail("--poses truth: the source names no truth; give --truth FILE");
+  if (auto checked = check_inputs(plan); !checked) return tl::make_unexpected(checked.error());
   return plan;
 }
 

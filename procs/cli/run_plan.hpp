@@ -30,7 +30,12 @@ struct RunPlan {
   double map_max_range_m = 0;
 };
 
-/// Fills in what the source says about itself. An error names what is missing.
+/// Whether every process would take its config: the error says which key of which file or setting
+/// is wrong.
+[[nodiscard]] Result<void> check_config(const RunPlan& plan);
+
+/// Fills in what the source says about itself, and looks at all that the run is to read. An error
+/// names what is missing.
 [[nodiscard]] Result<RunPlan> complete(RunPlan plan);
 
 /// Where this process's config comes from under the plan.

@@ -5,20 +5,21 @@
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
 
+#include "bus/channels.hpp"
+#include "bus/codec.hpp"
+#include "bus/recording.hpp"
 #include "camera/frame_source.hpp"
 #include "core/atomic_file.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/top_down.hpp"
+#include "messages/calibration_messages.hpp"
 #include "procs/cli/truth.hpp"
 
 namespace cairn::cli {
 namespace {
 
-std::vector<Utime> times_of(const evaluation::Trajectory& trajectory) {
-  std::vector<Utime> times;
-  for (const evaluation::StampedPose& pose : trajectory) times.push_back(pose.utime);
-  return times;
-}
+/// A share of a shorter way says nothing.
+constexpr double kShortestWay_m = 1;
 
 std::vector<Eigen::Vector3d> positions_of(const evaluation::Trajectory& trajectory) {
   std::vector<Eigen::Vector3d> positions;
@@ -26,19 +27,42 @@ std::vector<Eigen::Vector3d> positions_of(const evaluation::Trajectory& trajecto
   return positions;
 }
 
-// Truth by lines (KITTI) belongs to the frames of the dataset, of which some may have been skipped;
-// so the times come from the dataset where there is one.
-Result<evaluation::Trajectory> truth_of(const RunPlan& plan,
-                                        const evaluation::Trajectory& trajectory) {
-  std::vector<Utime> times = times_of(trajectory);
+/// What truth by lines (KITTI) needs: the times of the source's frames, of which some may have been
+/// skipped, and where the camera sits.
+struct SourceFrames {
+  std::vector<Utime> utimes;
   Isometry T_body_left = Isometry::Identity();
-  if (plan.source_is_dataset) {
-    auto dataset = camera::open_dataset(plan.source.string());
-    if (!dataset) return tl::make_unexpected(dataset.error());
-    T_body_left = dataset->frames->rig().T_body_left;
-    times = dataset->info.utimes;
+};
+
+Result<SourceFrames> frames_of_recording(const std::filesystem::path& recording) {
+  auto reader = bus::RecordingReader::open(recording);
+  if (!reader) return tl::make_unexpected(reader.error());
+  SourceFrames frames;
+  while (const auto event = reader->next()) {
+    if (event->message.channel == bus::channels::StereoFrame::name) {
+      const auto header = bus::peek_header(event->message.bytes);
+      if (header) frames.utimes.push_back(header->utime);
+    } else if (event->message.channel == bus::channels::Calibration::name) {
+      const auto message = bus::decode<rig_calibration_t>(event->message.bytes);
+      const auto rig = message ? messages::to_rig(*message) : tl::make_unexpected(message.error());
+      if (rig) frames.T_body_left = rig->T_body_left;
+    }
   }
-  return read_body_truth(plan.truth, plan.truth_format, plan.truth_frame, times, T_body_left);
+  return frames;
+}
+
+Result<SourceFrames> frames_of(const RunPlan& plan) {
+  if (!plan.source_is_dataset) return frames_of_recording(plan.source);
+  auto dataset = camera::open_dataset(plan.source.string());
+  if (!dataset) return tl::make_unexpected(dataset.error());
+  return SourceFrames{dataset->info.utimes, dataset->frames->rig().T_body_left};
+}
+
+Result<evaluation::Trajectory> truth_of(const RunPlan& plan) {
+  const auto frames = frames_of(plan);
+  if (!frames) return tl::make_unexpected(frames.error());
+  return read_body_truth(plan.truth, plan.truth_format, plan.truth_frame, frames->utimes,
+                         frames->T_body_left);
 }
 
 Result<void> write_map_picture(const RunPlan& plan, const mapping::VoxelMap& map,
@@ -100,7 +124,7 @@ void fill(evaluation::TrajectoryReport& report, const evaluation::TrajectoryScor
   report.odometry_ate_rmse_m = score.ate_m.rmse;
   if (score.rpe_1m) report.rpe_1m = score.rpe_1m->translation_rmse_m;
   report.end_error_m = score.end.position_m;
-  report.end_error_fraction = score.end.fraction_of_way;
+  if (score.length_m >= kShortestWay_m) report.end_error_fraction = score.end.fraction_of_way;
   report.end_yaw_error_rad = score.end.yaw_rad;
 }
 
@@ -112,12 +136,16 @@ Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorde
   const evaluation::Trajectory& trajectory = recorder.trajectory();
   results.frames = trajectory.size();
   fill(results.report, recorder, end);
+  if (trajectory.empty()) {
+    results.report.finished = false;
+    results.report.reason = "no frame got a pose; see what the processes print";
+  }
   if (auto written = evaluation::write_tum(plan.out / "trajectory.tum", trajectory); !written) {
     return tl::make_unexpected(written.error());
   }
   evaluation::Trajectory truth;
   if (!plan.truth.empty() && !trajectory.empty()) {
-    auto read = truth_of(plan, trajectory);
+    auto read = truth_of(plan);
     if (!read) return tl::make_unexpected(read.error());
     truth = std::move(*read);
     if (auto written = evaluation::write_tum(plan.out / "truth.tum", truth); !written) {
@@ -125,7 +153,8 @@ Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorde
     }
     auto score = evaluation::score_trajectory(trajectory, truth);
     if (!score) return tl::make_unexpected(score.error());
-    fill(results.report.trajectory, *score);
+    // Poses that were the truth itself are no result.
+    if (!plan.truth_poses) fill(results.report.trajectory, *score);
     results.score = std::move(*score);
   }
   auto map =
@@ -145,11 +174,13 @@ void print_results(const RunPlan& plan, const RunResults& results, bool json) {
     return;
   }
   std::printf("%zu frames; %s\n", results.frames, results.report.reason.c_str());
-  if (results.score) {
+  if (plan.truth_poses) std::printf("the poses were the truth's\n");
+  if (results.score && !plan.truth_poses) {
     const evaluation::TrajectoryScore& score = *results.score;
     std::printf("way %.2f m, end point off by %.3f m", score.length_m, score.end.position_m);
-    if (score.end.fraction_of_way)
+    if (score.end.fraction_of_way && score.length_m >= kShortestWay_m) {
       std::printf(" (%.2f %% of the way)", 100 * *score.end.fraction_of_way);
+    }
     std::printf(", yaw off by %.2f degrees, ATE %.3f m\n", score.end.yaw_rad * 180 / M_PI,
                 score.ate_m.rmse);
   }

@@ -110,7 +110,7 @@ void add_stereo(CLI::App& app, Run& run) {
       ->capture_default_str();
   command
       ->add_option("--max-disparity", options->matcher.max_disparity_px,
-                   "disparities below this are searched [px]")
+                   "disparities below this are searched [px]; rounded up to a multiple of 16")
       ->check(CLI::Range(16, 1024))
       ->capture_default_str();
   command->add_option("--calibration", options->calibration,

@@ -7,6 +7,11 @@ namespace cairn {
 
 namespace channels = bus::channels;
 
+Result<void> StereoNode::check(const Config& config) {
+  const auto matcher = stereo::make_matcher(config);
+  return matcher ? Result<void>{} : tl::make_unexpected(matcher.error());
+}
+
 Result<std::unique_ptr<StereoNode>> StereoNode::create(const Config& config, bus::Node& node) {
   auto matcher = stereo::make_matcher(config);
   if (!matcher) return tl::make_unexpected(matcher.error());

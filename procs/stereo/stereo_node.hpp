@@ -17,7 +17,9 @@ class StereoNode {
   static constexpr const char* kName = "stereo";
   static constexpr const char* kAbout = "stereo: turns STEREO_FRAME into DISPARITY";
 
-  /// An error names the key whose value makes no sense beside the others.
+  /// Nothing if create would take this config; else the key whose value makes no sense beside the
+  /// others.
+  [[nodiscard]] static Result<void> check(const Config& config);
   [[nodiscard]] static Result<std::unique_ptr<StereoNode>> create(const Config& config,
                                                                   bus::Node& node);
 

@@ -68,18 +68,6 @@ TEST(BadInput, AMissingSourceIsNamed) {
   EXPECT_EQ(ran.output, "/nowhere/street: no such file or folder\n");
 }
 
-TEST(BadInput, AFolderWithOtherFilesIsNotWrittenInto) {
-  const TemporaryFolder folder;
-  const fs::path out = folder.path() / "thesis";
-  fs::create_directories(out);
-  std::ofstream(out / "thesis.tex") << "years of work";
-  const Ran ran =
-      run(folder, {program("cairn-cli"), "replay", rendered_room(), "--lockstep", "--out", out});
-  EXPECT_EQ(ran.code, 1);
-  EXPECT_NE(ran.output.find("'thesis.tex'"), std::string::npos) << ran.output;
-  EXPECT_TRUE(fs::exists(out / "thesis.tex"));
-}
-
 /// A copy of the first frames of the rendered room, to be damaged.
 fs::path small_dataset(const TemporaryFolder& folder) {
   const fs::path copy = folder.path() / "dataset";
@@ -93,6 +81,52 @@ fs::path small_dataset(const TemporaryFolder& folder) {
   fs::copy(rendered_room() / "dataset.yaml", copy / "dataset.yaml");
   fs::copy(rendered_room() / "truth.txt", copy / "truth.txt");
   return copy;
+}
+
+TEST(BadInput, AFolderWithOtherFilesIsNotWrittenInto) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "thesis";
+  fs::create_directories(out);
+  std::ofstream(out / "thesis.tex") << "years of work";
+  const Ran ran =
+      run(folder, {program("cairn-cli"), "replay", rendered_room(), "--lockstep", "--out", out});
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.output.find("no run of cairn wrote"), std::string::npos) << ran.output;
+  EXPECT_TRUE(fs::exists(out / "thesis.tex"));
+}
+
+TEST(BadInput, NothingOfAnEarlierRunIsLostToAWrongCommandLine) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out";
+  const fs::path dataset = small_dataset(folder);
+  ASSERT_EQ(run(folder, {program("cairn-cli"), "replay", dataset, "--lockstep", "--out", out}).code,
+            0);
+  const std::vector<std::vector<std::string>> wrong{
+      {"--set", "mapper.resoluton_m=0.1"}, {"--set", "mapper.resolution_m=9"},
+      {"--set", "resolution_m=0.1"},       {"--map", out / "map.cairn"},
+      {"--truth", out / "truth.tum"},      {"--map", "README.md"}};
+  for (const std::vector<std::string>& words : wrong) {
+    std::vector<std::string> command{program("cairn-cli"), "replay", dataset,
+                                     "--lockstep",         "--out",  out};
+    command.insert(command.end(), words.begin(), words.end());
+    EXPECT_NE(run(folder, command).code, 0) << words.back();
+    EXPECT_TRUE(fs::exists(out / "map.cairn")) << words.back();
+    EXPECT_TRUE(fs::exists(out / "report.json")) << words.back();
+  }
+}
+
+TEST(BadInput, TwoGroupsOnOnePortAreNotMixed) {
+  if (!enter_network_namespace() || !add_multicast_route()) GTEST_SKIP() << kNoNamespace;
+  LiveGroup group(rendered_room());
+  group.start("stereo");
+  ASSERT_TRUE(group.listen_until_heard({"stereo"}));
+  const TemporaryFolder folder;
+  const Ran ran = run(folder, {program("cairn-cli"), "replay", rendered_room(), "--lcm-url",
+                               kStockUrl, "--out", folder.path() / "out"});
+  group.stop();
+  EXPECT_EQ(ran.code, 1);
+  EXPECT_NE(ran.output.find("another group's stereo is on this bus already"), std::string::npos)
+      << ran.output;
 }
 
 TEST(BadInput, ADatasetWithAnImageMissingNamesIt) {
