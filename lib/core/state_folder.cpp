@@ -2,8 +2,11 @@
 #include "core/state_folder.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cstring>
 
 #include "core/atomic_file.hpp"
@@ -45,7 +48,17 @@ Result<StateFolder> StateFolder::open(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(folder.string() + ": cannot make the state folder: " + error.message());
-  return StateFolder{folder};
+  const std::filesystem::path file = folder / "lock";
+  const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd < 0) return fail(file.string() + ": cannot write: " + std::strerror(errno));
+  const std::shared_ptr<const int> lock(new int(fd), [](const int* held) {
+    ::close(*held);
+    delete held;
+  });
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    return fail(folder.string() + ": is the state folder of a process that is running");
+  }
+  return StateFolder{folder, lock};
 }
 
 std::filesystem::path StateFolder::path(const std::string& name) const {

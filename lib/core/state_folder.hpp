@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,9 +24,8 @@ namespace cairn {
 class StateFolder {
  public:
   StateFolder() = default;
-  explicit StateFolder(std::filesystem::path folder) : folder_{std::move(folder)} {}
-
-  /// Makes the folder if it is missing.
+  /// Makes the folder if it is missing, and holds it for as long as this or a copy lives: a second
+  /// process on the same folder is refused. The lock of a killed process is gone with it.
   [[nodiscard]] static Result<StateFolder> open(const std::filesystem::path& folder);
 
   [[nodiscard]] bool enabled() const { return !folder_.empty(); }
@@ -41,7 +41,11 @@ class StateFolder {
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> load(const std::string& name) const;
 
  private:
+  StateFolder(std::filesystem::path folder, std::shared_ptr<const int> lock)
+      : folder_{std::move(folder)}, lock_{std::move(lock)} {}
+
   std::filesystem::path folder_;
+  std::shared_ptr<const int> lock_;  ///< a file descriptor, closed with the last copy
 };
 
 }  // namespace cairn

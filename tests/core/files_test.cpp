@@ -72,6 +72,16 @@ TEST_F(Files, ADamagedSlotFallsBackToTheOneBefore) {
   EXPECT_EQ(state.load("pose").value(), bytes("before"));
 }
 
+TEST_F(Files, AStateFolderHasOneOwnerAtATime) {
+  {
+    const StateFolder first = StateFolder::open(folder_ / "state").value();
+    const auto second = StateFolder::open(folder_ / "state");
+    ASSERT_FALSE(second);
+    EXPECT_NE(second.error().message.find("a process that is running"), std::string::npos);
+  }
+  EXPECT_TRUE(StateFolder::open(folder_ / "state"));
+}
+
 TEST_F(Files, WithoutAFolderNothingIsKept) {
   const StateFolder none;
   EXPECT_TRUE(none.save("pose", bytes("x")));
