@@ -113,7 +113,7 @@ int run_process(int argc, char** argv, ProcessDescription description) {
     return 0;
   }
   const auto loaded =
-      load_config(options.config, description.name, kProcesses, description.visit_config);
+      load_config(options.config, description.name, kConfigSections, description.visit_config);
   if (!loaded) {
     std::cerr << loaded.error().message << "\n";
     return kExitUsage;

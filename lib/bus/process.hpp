@@ -13,9 +13,14 @@
 
 namespace cairn::bus {
 
-/// The processes of the project; a config file has one section for each.
-inline constexpr std::array<std::string_view, 4> kProcesses{"camera", "stereo", "odometry",
-                                                            "mapper"};
+/// The processes of a robot, real or simulated.
+inline constexpr std::array<std::string_view, 9> kProcesses{
+    "camera", "simulator", "stereo", "odometry", "localizer", "mapper", "planner", "guard", "motor"};
+
+/// A config file has one section for each of them, and `robot` for what they must agree on.
+inline constexpr std::array<std::string_view, 10> kConfigSections{
+    "robot",     "camera", "simulator", "stereo", "odometry",
+    "localizer", "mapper", "planner",   "guard",  "motor"};
 
 /// What `run_process` needs to know of a process: its words, its config, and how it is built on a
 /// node.

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <numeric>
 #include <set>
 #include <sstream>
@@ -97,8 +98,11 @@ struct Scope {
 
 class Loader : public ConfigVisitor {
  public:
-  Loader(std::string source_name, const YAML::Node& root, std::string path)
-      : source_name_{std::move(source_name)} {
+  /// `shared`: groups of the whole file, taken where the section itself does not have one of the
+  /// same name.
+  Loader(std::string source_name, const YAML::Node& root, std::string path,
+         const std::map<std::string, YAML::Node>& shared = {})
+      : source_name_{std::move(source_name)}, shared_{shared} {
     open_scope(root, std::move(path));
   }
 
@@ -186,7 +190,7 @@ class Loader : public ConfigVisitor {
  protected:
   bool begin_group(const char* key, const char*) override {
     const YAML::Node node = find(key);
-    if (!node) return false;
+    if (!node) return begin_shared_group(key);
     if (!node.IsMap()) {
       wrong(node, key, "is not a group of keys", "", "");
       return false;
@@ -215,6 +219,13 @@ class Loader : public ConfigVisitor {
   }
 
  private:
+  bool begin_shared_group(const char* key) {
+    const auto group = shared_.find(key);
+    if (scopes_.size() != 1 || group == shared_.end()) return false;
+    open_scope(group->second, std::string(key) + ".");
+    return true;
+  }
+
   YAML::Node find(const char* key) {
     Scope& scope = scopes_.back();
     scope.visited.insert(key);
@@ -263,6 +274,7 @@ class Loader : public ConfigVisitor {
   }
 
   std::string source_name_;
+  std::map<std::string, YAML::Node> shared_;
   std::vector<Scope> scopes_;
   std::vector<std::string> errors_;
 };
@@ -436,14 +448,38 @@ class ReferenceWriter : public ConfigVisitor {
   std::string result_;
 };
 
+/// The file's sections by name; what is wrong with them goes into `errors`.
+std::map<std::string, YAML::Node> sections_of(const YAML::Node& root, const std::string& file,
+                                              std::span<const std::string_view> known_sections,
+                                              std::vector<std::string>& errors) {
+  const std::set<std::string> known(known_sections.begin(), known_sections.end());
+  std::set<std::string> seen;
+  std::map<std::string, YAML::Node> sections;
+  for (const auto& entry : root) {
+    const std::string key = entry.first.Scalar();
+    const std::string place =
+        file + ":" + std::to_string(entry.first.Mark().line + 1) + ": " + key;
+    if (!seen.insert(key).second) errors.push_back(place + ": stands here twice");
+    if (!known.contains(key)) {
+      errors.push_back(place + ": unknown section" + did_you_mean(key, known));
+    } else if (entry.second.IsMap()) {
+      sections.emplace(key, entry.second);
+    } else if (!entry.second.IsNull()) {
+      errors.push_back(place + ": is not a group of keys");
+    }
+  }
+  return sections;
+}
+
 }  // namespace
 
 Result<void> load_config(const ConfigSource& source, std::string_view section,
                          std::span<const std::string_view> known_sections,
                          const VisitConfig& visit) {
   std::vector<std::string> errors;
-  const auto load_from = [&](const std::string& name, const YAML::Node& node, std::string path) {
-    Loader loader(name, node, std::move(path));
+  const auto load_from = [&](const std::string& name, const YAML::Node& node, std::string path,
+                             const std::map<std::string, YAML::Node>& shared = {}) {
+    Loader loader(name, node, std::move(path), shared);
     visit(loader);
     loader.finish();
     errors.insert(errors.end(), loader.errors().begin(), loader.errors().end());
@@ -454,21 +490,11 @@ Result<void> load_config(const ConfigSource& source, std::string_view section,
     if (section.empty()) {
       load_from(source.file.string(), *root, "");
     } else {
-      std::set<std::string> known(known_sections.begin(), known_sections.end());
-      std::set<std::string> seen;
-      for (const auto& entry : *root) {
-        const std::string key = entry.first.Scalar();
-        const std::string place =
-            source.file.string() + ":" + std::to_string(entry.first.Mark().line + 1) + ": " + key;
-        if (!seen.insert(key).second) errors.push_back(place + ": stands here twice");
-        if (!known.contains(key)) {
-          errors.push_back(place + ": unknown section" + did_you_mean(key, known));
-        } else if (key == section && entry.second.IsMap()) {
-          load_from(source.file.string(), entry.second, key + ".");
-        } else if (key == section && !entry.second.IsNull()) {
-          errors.push_back(place + ": is not a group of keys");
-        }
-      }
+      const auto sections = sections_of(*root, source.file.string(), known_sections, errors);
+      const auto own = sections.find(std::string(section));
+      load_from(source.file.string(),
+                own == sections.end() ? YAML::Node(YAML::NodeType::Map) : own->second,
+                std::string(section) + ".", sections);
     }
   }
   for (const std::string& text : source.overrides) {

@@ -75,7 +75,8 @@ struct ConfigSource {
 /// file), then from the overrides. Strict: an unknown or repeated key, a wrong type, a value out of
 /// range, a section that is not in `known_sections` are errors; all are reported, one a line, as
 /// "file:line: section.key: what, and what is allowed". A file that does not name the section
-/// leaves the defaults.
+/// leaves the defaults. A group that the section itself does not have is taken from a section of
+/// the group's name: what several processes must agree on (`robot:`) stands in a file once.
 [[nodiscard]] Result<void> load_config(const ConfigSource& source, std::string_view section,
                                        std::span<const std::string_view> known_sections,
                                        const VisitConfig& visit);

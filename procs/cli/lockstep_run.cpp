@@ -70,7 +70,7 @@ class Group {
   template <class ProcessNode>
   Result<void> build_process(std::unique_ptr<ProcessNode>& process) {
     const auto config = load_config<typename ProcessNode::Config>(
-        config_of(plan_, ProcessNode::kName), ProcessNode::kName, bus::kProcesses);
+        config_of(plan_, ProcessNode::kName), ProcessNode::kName, bus::kConfigSections);
     if (!config) return tl::make_unexpected(config.error());
     const auto node = add_node(ProcessNode::kName);
     if (!node) return tl::make_unexpected(node.error());

@@ -33,7 +33,7 @@ Result<void> check_settings(const RunPlan& plan) {
 
 template <class Config>
 Result<Config> load(const RunPlan& plan, const char* process) {
-  return load_config<Config>(config_of(plan, process), process, bus::kProcesses);
+  return load_config<Config>(config_of(plan, process), process, bus::kConfigSections);
 }
 
 Result<void> check_inputs(const RunPlan& plan) {

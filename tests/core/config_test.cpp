@@ -82,6 +82,24 @@ TEST_F(Config, AMisspeltSectionIsNotPassedOver) {
             at(1) + "maper: unknown section (did you mean 'mapper'?)");
 }
 
+TEST_F(Config, AGroupThatTheSectionLacksIsTakenFromTheSectionOfItsName) {
+  const std::array<std::string_view, 2> sections{"mapper", "inner"};
+  const auto write_and_load = [&](const std::string& text) {
+    std::ofstream(file_) << text;
+    return load_config<Outer>({file_, {}}, "mapper", sections);
+  };
+  const auto shared = write_and_load("inner: {speed_mps: 1.5}\n");
+  ASSERT_TRUE(shared) << shared.error().message;
+  EXPECT_EQ(shared->inner.speed_mps, 1.5);
+  const auto own = write_and_load("inner: {speed_mps: 1.5}\nmapper: {inner: {speed_mps: 0.5}}\n");
+  ASSERT_TRUE(own) << own.error().message;
+  EXPECT_EQ(own->inner.speed_mps, 0.5);
+  const auto wrong = write_and_load("inner:\n  sped_mps: 1.5\n");
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().message,
+            at(2) + "inner.sped_mps: unknown key (did you mean 'speed_mps'?)");
+}
+
 TEST_F(Config, OutOfRangeSaysTheRangeAndTheUnit) {
   EXPECT_EQ(error("mapper:\n  inner:\n    speed_mps: 60\n"),
             at(3) + "mapper.inner.speed_mps: 60 is out of range (allowed: 0 to 2 m/s)");

@@ -79,7 +79,7 @@ TEST(Docs, TheConfigReferenceIsTheCode) {
 
 template <class Config>
 void expect_loads(const fs::path& file, const char* process) {
-  const auto loaded = load_config<Config>({file, {}}, process, bus::kProcesses);
+  const auto loaded = load_config<Config>({file, {}}, process, bus::kConfigSections);
   EXPECT_TRUE(loaded) << loaded.error().message;
 }
 
