@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "procs/cli/run_recorder.hpp"
 
+#include <algorithm>
+
 #include "bus/channels.hpp"
 #include "bus/codec.hpp"
 #include "messages/geometry_messages.hpp"
@@ -49,6 +51,7 @@ void RunRecorder::hear(const bus::RawMessage& raw) {
     if (frame_sent_us_.try_emplace(header->utime, header->sent_steady_us).second) {
       ++frames_;
       not_mapped_yet_.emplace(header->utime, header->sent_steady_us);
+      not_corrected_yet_.emplace(header->utime, header->sent_steady_us);
     }
     last_result_us_ = node_.host_time();
   }
@@ -56,6 +59,9 @@ void RunRecorder::hear(const bus::RawMessage& raw) {
   if (raw.channel == channels::Pose::name) hear_pose(raw);
   if (raw.channel == channels::MapDelta::name) hear_map(raw);
   if (raw.channel == channels::ProcessStatus::name) hear_status(raw);
+  if (raw.channel == channels::Truth::name) hear_truth(raw);
+  if (raw.channel == channels::SimState::name) hear_contacts(raw);
+  if (raw.channel == channels::PlanState::name) hear_plan(raw);
 }
 
 void RunRecorder::keep(const bus::RawMessage& raw) {
@@ -88,18 +94,41 @@ void RunRecorder::hear_pose(const bus::RawMessage& raw) {
   if (poses_.empty()) frame_to_pose_ms_.clear();
   append(poses_, message->header.utime, messages::to_isometry(message->T_map_body, "T_map_body"));
   add_latency(message->header.utime, message->header.sent_steady_us, frame_to_pose_ms_);
+  add_latencies(not_corrected_yet_, message->correction_utime, message->header.sent_steady_us,
+                frame_to_correction_ms_);
+}
+
+void RunRecorder::add_latencies(std::map<Utime, HostTime>& waiting, Utime through,
+                                HostTime sent_us, std::vector<double>& latencies) {
+  const auto end = waiting.upper_bound(through);
+  for (auto frame = waiting.begin(); frame != end; ++frame) {
+    latencies.push_back(1e-3 * static_cast<double>(sent_us - frame->second));
+  }
+  waiting.erase(waiting.begin(), end);
 }
 
 void RunRecorder::hear_map(const bus::RawMessage& raw) {
   const auto message = bus::decode<map_delta_t>(raw.bytes);
   if (!message) return;
   last_result_us_ = node_.host_time();
-  const auto end = not_mapped_yet_.upper_bound(message->complete_through_utime);
-  for (auto frame = not_mapped_yet_.begin(); frame != end; ++frame) {
-    frame_to_map_ms_.push_back(1e-3 *
-                               static_cast<double>(message->header.sent_steady_us - frame->second));
-  }
-  not_mapped_yet_.erase(not_mapped_yet_.begin(), end);
+  add_latencies(not_mapped_yet_, message->complete_through_utime, message->header.sent_steady_us,
+                frame_to_map_ms_);
+}
+
+void RunRecorder::hear_truth(const bus::RawMessage& raw) {
+  const auto message = bus::decode<pose_t>(raw.bytes);
+  if (!message) return;
+  append(truth_, message->header.utime, messages::to_isometry(message->T_map_body, "T_map_body"));
+}
+
+void RunRecorder::hear_contacts(const bus::RawMessage& raw) {
+  const auto message = bus::decode<sim_state_t>(raw.bytes);
+  if (!message) return;
+  collisions_ = static_cast<std::uint64_t>(std::max<std::int64_t>(message->collisions, 0));
+}
+
+void RunRecorder::hear_plan(const bus::RawMessage& raw) {
+  if (auto message = bus::decode<plan_state_t>(raw.bytes)) plan_state_ = std::move(*message);
 }
 
 void RunRecorder::hear_status(const bus::RawMessage& raw) {

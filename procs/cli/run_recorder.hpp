@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cairn/plan_state_t.hpp>
 #include <cairn/process_status_t.hpp>
 #include <cstdint>
 #include <filesystem>
@@ -34,8 +35,19 @@ class RunRecorder {
     return poses_.empty() ? odometry_ : poses_;
   }
 
+  /// True poses in the world's frame, where a simulator tells them.
+  [[nodiscard]] const evaluation::Trajectory& truth() const { return truth_; }
+  /// How often the robot began to touch something while it moved; nothing without a simulator.
+  [[nodiscard]] std::optional<std::uint64_t> collisions() const { return collisions_; }
+  /// The newest of this run, if any.
+  [[nodiscard]] const std::optional<plan_state_t>& plan_state() const { return plan_state_; }
+
   /// From the sending of a frame to the sending of what came of it, host time [ms].
   [[nodiscard]] const std::vector<double>& frame_to_pose_ms() const { return frame_to_pose_ms_; }
+  /// To the first POSE that rests on what was seen in it.
+  [[nodiscard]] const std::vector<double>& frame_to_correction_ms() const {
+    return frame_to_correction_ms_;
+  }
   [[nodiscard]] const std::vector<double>& frame_to_map_ms() const { return frame_to_map_ms_; }
 
   [[nodiscard]] std::int64_t frames() const { return frames_; }
@@ -55,6 +67,12 @@ class RunRecorder {
   void hear_pose(const bus::RawMessage& raw);
   void hear_map(const bus::RawMessage& raw);
   void hear_status(const bus::RawMessage& raw);
+  void hear_truth(const bus::RawMessage& raw);
+  void hear_contacts(const bus::RawMessage& raw);
+  void hear_plan(const bus::RawMessage& raw);
+  /// Of all frames up to `through`, which leave `waiting`.
+  void add_latencies(std::map<Utime, HostTime>& waiting, Utime through, HostTime sent_us,
+                     std::vector<double>& latencies);
   void add_latency(Utime utime, HostTime sent_us, std::vector<double>& latencies);
   template <class Count>
   [[nodiscard]] std::map<std::string, std::uint64_t> sum(Count count) const;
@@ -64,9 +82,14 @@ class RunRecorder {
   bool all_;
   evaluation::Trajectory odometry_;
   evaluation::Trajectory poses_;
+  evaluation::Trajectory truth_;
+  std::optional<std::uint64_t> collisions_;
+  std::optional<plan_state_t> plan_state_;
   std::map<Utime, HostTime> frame_sent_us_;
   std::map<Utime, HostTime> not_mapped_yet_;
+  std::map<Utime, HostTime> not_corrected_yet_;
   std::vector<double> frame_to_pose_ms_;
+  std::vector<double> frame_to_correction_ms_;
   std::vector<double> frame_to_map_ms_;
   std::int64_t frames_ = 0;
   HostTime last_result_us_ = 0;
