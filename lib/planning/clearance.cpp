@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "planning/clearance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace cairn::planning {
+namespace {
+
+constexpr double kStride_m = 0.02;
+constexpr double kSpeedStep_mps = 0.025;
+constexpr double kSightDepth_m = 0.12;  // how far beyond view_from_m floor must be seen
+constexpr double kSightBefore_m = 0.1;
+
+std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
+
+std::string at_metres(const char* what, double metres, const char* after) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%s %.2f m%s", what, metres, after);
+  return text;
+}
+
+}  // namespace
+
+Clearance::Clearance(const ClearanceConfig& config, const RobotConfig& robot)
+    : config_{config}, robot_{robot}, view_{config.ground, robot} {}
+
+void Clearance::forget() {
+  memory_.forget();
+  seen_utime_.reset();
+}
+
+void Clearance::see(const stereo::DisparityImage& image, const Eigen::Isometry2d& T_start_body) {
+  view_.look(image);
+  memory_.add(view_, image, T_start_body);
+  seen_utime_ = image.utime;
+}
+
+void Clearance::measure(const RangeReading& reading, const Eigen::Isometry2d& T_start_body) {
+  const Eigen::Isometry2d T_start_sensor = T_start_body * reading.T_body_sensor;
+  const double step_rad =
+      std::min(0.1, GroundMemory::kSpot_m / std::max(reading.range_m, GroundMemory::kSpot_m));
+  for (double angle = -reading.half_angle_rad; angle <= reading.half_angle_rad + 1e-9;
+       angle += step_rad) {
+    const Eigen::Vector2d beam(std::cos(angle), std::sin(angle));
+    memory_.block(T_start_sensor * (reading.range_m * beam), reading.utime);
+  }
+}
+
+// What a spot allows, by what was last seen of it.
+Clearance::Limit Clearance::spot_limit(const Eigen::Vector2d& at_body_m, Utime now,
+                                       const Eigen::Isometry2d& T_start_body) const {
+  const GroundSpot spot = memory_.at(T_start_body * at_body_m);
+  const double ahead_m = at_body_m.x() - robot_.length_m / 2;
+  const std::int64_t obstacle_us = microseconds(config_.obstacle_memory_s);
+  if (spot.blocked && spot.obstacle_utime >= now - obstacle_us)
+    return {0, at_metres(spot.drop ? "drop at" : "obstacle at", ahead_m, "")};
+  const bool missed = spot.missed_utime > spot.floor_utime + microseconds(config_.sight_hole_s);
+  if (!missed && spot.floor_utime >= now - microseconds(config_.memory_s))
+    return {robot_.max_speed_mps, "free"};
+  if (!missed && spot.floor_utime >= now - microseconds(config_.slow_memory_s))
+    return {config_.slow_mps, at_metres("floor seen long ago at", ahead_m, "")};
+  if (at_body_m.x() < config_.ground.view_from_m && spot.missed_utime < now - obstacle_us)
+    return {config_.creep_mps, at_metres("out of the cameras' sight at", ahead_m, "")};
+  return {0, at_metres("nothing seen from", ahead_m, " on")};
+}
+
+// Every lane must show floor where sight of it begins, or what hides it.
+Clearance::Limit Clearance::sight_limit(const Eigen::Isometry2d& T_start_body) const {
+  const double half_m = robot_.width_m / 2 + config_.side_margin_m;
+  const double from_m = config_.ground.view_from_m;
+  const Utime lately = *seen_utime_ - microseconds(config_.sight_hole_s);
+  const Utime explained = *seen_utime_ - microseconds(config_.memory_s);
+  for (double y = -half_m; y <= half_m + 1e-9; y += GroundMemory::kSpot_m) {
+    bool seen = false;
+    for (double x = robot_.length_m / 2; x <= from_m + kSightDepth_m && !seen; x += kStride_m) {
+      const GroundSpot spot = memory_.at(T_start_body * Eigen::Vector2d(x, y));
+      const bool hides = spot.blocked && !spot.drop && spot.obstacle_utime >= explained;
+      seen = hides || (x >= from_m - kSightBefore_m && spot.floor_utime >= lately && !spot.blocked);
+    }
+    if (!seen) return {0, at_metres("nothing seen from", from_m - robot_.length_m / 2, " on")};
+  }
+  return {robot_.max_speed_mps, "free"};
+}
+
+Clearance::Limit Clearance::sweep_limit(double speed_mps, double turn_radps, Utime now,
+                                        const Eigen::Isometry2d& T_start_body) const {
+  // On at that speed and turn until the brakes bite, then both fade out; then the margin, straight.
+  const double braking_mps2 = robot_.max_acceleration_mps2;
+  const double stop_m = speed_mps * config_.reaction_s + speed_mps * speed_mps / (2 * braking_mps2);
+  const double turn_rad = turn_radps * (config_.reaction_s + speed_mps / (2 * braking_mps2));
+  const double way_m = stop_m + config_.front_margin_m;
+  const double half_m = robot_.width_m / 2 + config_.side_margin_m;
+  const double front_m = robot_.length_m / 2;
+  Limit limit{robot_.max_speed_mps, "free"};
+  Eigen::Vector2d at_m = Eigen::Vector2d::Zero();
+  const int strides = static_cast<int>(std::ceil(way_m / kStride_m));
+  for (int i = 0; i <= strides; ++i) {
+    const double s = way_m * i / strides;
+    const double heading_rad = turn_rad * std::min(1.0, s / stop_m);
+    const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
+    const Eigen::Vector2d left(-ahead.y(), ahead.x());
+    if (i > 0) at_m += ahead * (way_m / strides);
+    for (double y = -half_m; y <= half_m + 1e-9; y += kStride_m) {
+      const Limit spot = spot_limit(at_m + front_m * ahead + y * left, now, T_start_body);
+      if (spot.max_mps < limit.max_mps) limit = spot;
+      if (limit.max_mps <= 0) return limit;
+    }
+  }
+  return limit;
+}
+
+Permission Clearance::judge(Utime now, const Eigen::Isometry2d& T_start_body,
+                            double turn_radps) const {
+  if (!seen_utime_) return {0, "nothing seen yet"};
+  if (const Limit sight = sight_limit(T_start_body); sight.max_mps <= 0) return {0, sight.reason};
+  std::string reason = "free";
+  const int steps = static_cast<int>(std::ceil(robot_.max_speed_mps / kSpeedStep_mps));
+  for (int step = steps; step > 0; --step) {
+    const double speed_mps = std::min(robot_.max_speed_mps, step * kSpeedStep_mps);
+    const Limit limit = sweep_limit(speed_mps, turn_radps, now, T_start_body);
+    if (limit.max_mps >= speed_mps) return {speed_mps, reason};
+    reason = limit.reason;
+  }
+  return {0, reason};
+}
+
+}  // namespace cairn::planning

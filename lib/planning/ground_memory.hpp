@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <vector>
+
+#include "core/time.hpp"
+#include "planning/ground_view.hpp"
+#include "stereo/disparity_image.hpp"
+
+namespace cairn::planning {
+
+/// What was seen of a spot of ground, and when; kNever where it was not.
+struct GroundSpot {
+  static constexpr Utime kNever = INT64_MIN / 2;
+  Utime floor_utime = kNever;     ///< last seen to be floor
+  Utime missed_utime = kNever;    ///< last looked at without seeing floor
+  Utime obstacle_utime = kNever;  ///< last seen to be in the way, or a drop
+  bool blocked = false;           ///< in the way, and not seen to be gone since
+  bool drop = false;              ///< what blocks is a drop
+};
+
+/// The ground round the robot, as lately seen, in a frame that stands still as far as the tracks
+/// can tell: spots of 2.5 cm, 3.2 m to every side; what the robot leaves farther behind is
+/// forgotten.
+class GroundMemory {
+ public:
+  static constexpr double kSpot_m = 0.025;
+
+  GroundMemory() : cells_(static_cast<std::size_t>(kSide) * kSide) {}
+
+  void forget();
+
+  /// Adds what one image showed of the ground, seen from `T_start_body`. An obstacle is gone when
+  /// floor is seen in its place twice for each time it was seen (at most three times count), or
+  /// what lies behind it is seen through it.
+  void add(const GroundView& view, const stereo::DisparityImage& image,
+           const Eigen::Isometry2d& T_start_body);
+
+  /// Something is in the way at a point of the standing frame, whatever was seen of it before.
+  void block(const Eigen::Vector2d& point_m, Utime utime);
+
+  /// What is known of a point of the standing frame.
+  [[nodiscard]] GroundSpot at(const Eigen::Vector2d& point_m) const;
+
+ private:
+  static constexpr int kSide = 256;  // a power of two
+  static constexpr int kMaxScore = 6;
+  struct Cell {
+    std::int32_t ix = INT32_MIN;
+    std::int32_t iy = INT32_MIN;
+    Utime floor_utime = GroundSpot::kNever;
+    Utime missed_utime = GroundSpot::kNever;
+    Utime obstacle_utime = GroundSpot::kNever;
+    float top_m = 0;
+    std::int8_t score = 0;  ///< above 0: blocked
+    bool drop = false;
+  };
+
+  [[nodiscard]] static std::int32_t spot_of(double metres);
+  [[nodiscard]] Cell& take(std::int32_t ix, std::int32_t iy);
+  void add_to(Cell& cell, const GroundCell& seen, Utime utime);
+  void look_through(Cell& cell, const Eigen::Vector2d& at_body_m,
+                    const stereo::DisparityImage& image, const Isometry& T_camera_body);
+
+  std::vector<Cell> cells_;
+};
+
+}  // namespace cairn::planning
