@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kStride_m = 0.02;
 constexpr double kSpeedStep_mps = 0.025;
+constexpr double kRounding = 1e-9;
 constexpr double kSightDepth_m = 0.12;  // how far beyond view_from_m floor must be seen
 constexpr double kSightBefore_m = 0.1;
 
@@ -35,13 +36,16 @@ void Clearance::see(const stereo::DisparityImage& image, const Eigen::Isometry2d
   view_.look(image);
   memory_.add(view_, image, T_start_body);
   seen_utime_ = image.utime;
+  const Isometry& T = image.camera.T_body_camera;
+  const Eigen::Vector3d right_eye_m = T * Eigen::Vector3d(image.camera.baseline_m, 0, 0);
+  eyes_m_ = {T.translation().head<2>(), right_eye_m.head<2>()};
 }
 
 void Clearance::measure(const RangeReading& reading, const Eigen::Isometry2d& T_start_body) {
   const Eigen::Isometry2d T_start_sensor = T_start_body * reading.T_body_sensor;
   const double step_rad =
       std::min(0.1, GroundMemory::kSpot_m / std::max(reading.range_m, GroundMemory::kSpot_m));
-  for (double angle = -reading.half_angle_rad; angle <= reading.half_angle_rad + 1e-9;
+  for (double angle = -reading.half_angle_rad; angle <= reading.half_angle_rad + kRounding;
        angle += step_rad) {
     const Eigen::Vector2d beam(std::cos(angle), std::sin(angle));
     memory_.block(T_start_sensor * (reading.range_m * beam), reading.utime);
@@ -66,20 +70,39 @@ Clearance::Limit Clearance::spot_limit(const Eigen::Vector2d& at_body_m, Utime n
   return {0, at_metres("nothing seen from", ahead_m, " on")};
 }
 
-// Every lane must show floor where sight of it begins, or what hides it.
-Clearance::Limit Clearance::sight_limit(const Eigen::Isometry2d& T_start_body) const {
-  const double half_m = robot_.width_m / 2 + config_.side_margin_m;
+bool Clearance::floor_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const {
   const double from_m = config_.ground.view_from_m;
   const Utime lately = *seen_utime_ - microseconds(config_.sight_hole_s);
-  const Utime explained = *seen_utime_ - microseconds(config_.memory_s);
-  for (double y = -half_m; y <= half_m + 1e-9; y += GroundMemory::kSpot_m) {
-    bool seen = false;
-    for (double x = robot_.length_m / 2; x <= from_m + kSightDepth_m && !seen; x += kStride_m) {
-      const GroundSpot spot = memory_.at(T_start_body * Eigen::Vector2d(x, y));
-      const bool hides = spot.blocked && !spot.drop && spot.obstacle_utime >= explained;
-      seen = hides || (x >= from_m - kSightBefore_m && spot.floor_utime >= lately && !spot.blocked);
+  for (double x = from_m - kSightBefore_m; x <= from_m + kSightDepth_m; x += kStride_m) {
+    const GroundSpot spot = memory_.at(T_start_body * Eigen::Vector2d(x, y_m));
+    if (!spot.blocked && spot.floor_utime >= lately) return true;
+  }
+  return false;
+}
+
+bool Clearance::hidden_by_something_known(double y_m, const Eigen::Isometry2d& T_start_body) const {
+  const Utime lately = *seen_utime_ - microseconds(config_.memory_s);
+  const Eigen::Vector2d to_m(config_.ground.view_from_m + kSightDepth_m, y_m);
+  for (const Eigen::Vector2d& eye_m : eyes_m_) {
+    const Eigen::Vector2d way = to_m - eye_m;
+    const double stride = kStride_m / way.norm();
+    for (double share = stride; share <= 1; share += stride) {
+      const Eigen::Vector2d p = eye_m + share * way;
+      if (p.x() < robot_.length_m / 2) continue;
+      const GroundSpot spot = memory_.at(T_start_body * p);
+      if (spot.blocked && !spot.drop && spot.obstacle_utime >= lately) return true;
     }
-    if (!seen) return {0, at_metres("nothing seen from", from_m - robot_.length_m / 2, " on")};
+  }
+  return false;
+}
+
+// Every lane must show floor where sight of it begins, unless what hides it is known.
+Clearance::Limit Clearance::sight_limit(const Eigen::Isometry2d& T_start_body) const {
+  const double half_m = robot_.width_m / 2 + config_.side_margin_m;
+  for (double y = -half_m; y <= half_m + kRounding; y += GroundMemory::kSpot_m) {
+    if (floor_in_sight(y, T_start_body) || hidden_by_something_known(y, T_start_body)) continue;
+    return {
+        0, at_metres("nothing seen from", config_.ground.view_from_m - robot_.length_m / 2, " on")};
   }
   return {robot_.max_speed_mps, "free"};
 }
@@ -102,7 +125,7 @@ Clearance::Limit Clearance::sweep_limit(double speed_mps, double turn_radps, Uti
     const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
     const Eigen::Vector2d left(-ahead.y(), ahead.x());
     if (i > 0) at_m += ahead * (way_m / strides);
-    for (double y = -half_m; y <= half_m + 1e-9; y += kStride_m) {
+    for (double y = -half_m; y <= half_m + kRounding; y += kStride_m) {
       const Limit spot = spot_limit(at_m + front_m * ahead + y * left, now, T_start_body);
       if (spot.max_mps < limit.max_mps) limit = spot;
       if (limit.max_mps <= 0) return limit;
@@ -120,7 +143,7 @@ Permission Clearance::judge(Utime now, const Eigen::Isometry2d& T_start_body,
   for (int step = steps; step > 0; --step) {
     const double speed_mps = std::min(robot_.max_speed_mps, step * kSpeedStep_mps);
     const Limit limit = sweep_limit(speed_mps, turn_radps, now, T_start_body);
-    if (limit.max_mps >= speed_mps) return {speed_mps, reason};
+    if (limit.max_mps >= speed_mps - kRounding) return {speed_mps, reason};
     reason = limit.reason;
   }
   return {0, reason};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <string>
 
@@ -92,6 +93,9 @@ class Clearance {
   };
   [[nodiscard]] Limit spot_limit(const Eigen::Vector2d& at_body_m, Utime now,
                                  const Eigen::Isometry2d& T_start_body) const;
+  [[nodiscard]] bool floor_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const;
+  [[nodiscard]] bool hidden_by_something_known(double y_m,
+                                               const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] Limit sight_limit(const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] Limit sweep_limit(double speed_mps, double turn_radps, Utime now,
                                   const Eigen::Isometry2d& T_start_body) const;
@@ -101,6 +105,7 @@ class Clearance {
   GroundView view_;
   GroundMemory memory_;
   std::optional<Utime> seen_utime_;
+  std::array<Eigen::Vector2d, 2> eyes_m_;  ///< of the newest image; in the body frame, from above
 };
 
 }  // namespace cairn::planning

@@ -8,7 +8,6 @@
 namespace cairn::planning {
 namespace {
 
-constexpr int kSeenScore = 2;
 constexpr std::array<double, 5> kLookHeights_m{0.05, 0.1, 0.2, 0.3, 0.4};
 constexpr double kBehindShare = 1.15;  // of an obstacle's depth: what is deeper lies behind it
 constexpr double kBehind_m = 0.1;
@@ -40,13 +39,14 @@ GroundSpot GroundMemory::at(const Eigen::Vector2d& point_m) const {
   const auto wrapped = [](std::int32_t i) { return static_cast<std::size_t>(i & (kSide - 1)); };
   const Cell& cell = cells_[wrapped(iy) * kSide + wrapped(ix)];
   if (cell.ix != ix || cell.iy != iy) return {};
-  return {cell.floor_utime, cell.missed_utime, cell.obstacle_utime, cell.score > 0, cell.drop};
+  return {cell.floor_utime, cell.missed_utime, cell.obstacle_utime, cell.score >= kBlockedScore,
+          cell.drop};
 }
 
 void GroundMemory::block(const Eigen::Vector2d& point_m, Utime utime) {
   Cell& cell = take(spot_of(point_m.x()), spot_of(point_m.y()));
   cell.obstacle_utime = utime;
-  cell.score = kSeenScore;
+  cell.score = kBlockedScore;
   cell.drop = false;
   cell.top_m = 0;
 }
@@ -79,7 +79,8 @@ void GroundMemory::add(const GroundView& view, const stereo::DisparityImage& ima
 void GroundMemory::add_to(Cell& cell, const GroundCell& seen, Utime utime) {
   switch (seen.ground) {
     case Ground::kUnseen:
-      if (seen.looked_at) cell.missed_utime = utime;
+      if (seen.looked_at || (seen.suspect && cell.floor_utime == GroundSpot::kNever))
+        cell.missed_utime = utime;
       break;
     case Ground::kFloor:
       cell.floor_utime = utime;
@@ -88,11 +89,11 @@ void GroundMemory::add_to(Cell& cell, const GroundCell& seen, Utime utime) {
     case Ground::kObstacle:
     case Ground::kDrop:
       if (cell.score <= 0) cell.top_m = 0;
-      cell.missed_utime = utime;
       cell.obstacle_utime = utime;
       cell.drop = seen.ground == Ground::kDrop;
       cell.top_m = std::max(cell.top_m, seen.top_m);
-      cell.score = static_cast<std::int8_t>(std::min(kMaxScore, cell.score + kSeenScore));
+      cell.score = static_cast<std::int8_t>(std::min(kMaxScore, cell.score + (seen.plain ? 2 : 1)));
+      if (cell.score >= kBlockedScore) cell.missed_utime = utime;
       break;
   }
 }
@@ -119,7 +120,7 @@ void GroundMemory::look_through(Cell& cell, const Eigen::Vector2d& at_body_m,
   }
   if (through < kLooksThrough) return;
   // What hid the floor is gone; what was seen of it before holds again.
-  if (--cell.score <= 0) cell.missed_utime = GroundSpot::kNever;
+  if (--cell.score < kBlockedScore) cell.missed_utime = GroundSpot::kNever;
 }
 
 }  // namespace cairn::planning

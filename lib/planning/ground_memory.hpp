@@ -15,7 +15,7 @@ namespace cairn::planning {
 struct GroundSpot {
   static constexpr Utime kNever = INT64_MIN / 2;
   Utime floor_utime = kNever;     ///< last seen to be floor
-  Utime missed_utime = kNever;    ///< last looked at without seeing floor
+  Utime missed_utime = kNever;    ///< last looked at, or suspect, without seeing floor
   Utime obstacle_utime = kNever;  ///< last seen to be in the way, or a drop
   bool blocked = false;           ///< in the way, and not seen to be gone since
   bool drop = false;              ///< what blocks is a drop
@@ -32,9 +32,9 @@ class GroundMemory {
 
   void forget();
 
-  /// Adds what one image showed of the ground, seen from `T_start_body`. An obstacle is gone when
-  /// floor is seen in its place twice for each time it was seen (at most three times count), or
-  /// what lies behind it is seen through it.
+  /// Adds what one image showed of the ground, seen from `T_start_body`. A plain obstacle is there
+  /// at once, others and drops when seen twice; it is gone when floor is seen in its place as often
+  /// as it was seen (six times are enough), or what lies behind it is seen through it.
   void add(const GroundView& view, const stereo::DisparityImage& image,
            const Eigen::Isometry2d& T_start_body);
 
@@ -46,7 +46,8 @@ class GroundMemory {
 
  private:
   static constexpr int kSide = 256;  // a power of two
-  static constexpr int kMaxScore = 6;
+  static constexpr int kBlockedScore = 2;
+  static constexpr int kMaxScore = 7;
   struct Cell {
     std::int32_t ix = INT32_MIN;
     std::int32_t iy = INT32_MIN;
@@ -54,7 +55,7 @@ class GroundMemory {
     Utime missed_utime = GroundSpot::kNever;
     Utime obstacle_utime = GroundSpot::kNever;
     float top_m = 0;
-    std::int8_t score = 0;  ///< above 0: blocked
+    std::int8_t score = 0;  ///< from kBlockedScore on: blocked
     bool drop = false;
   };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPatch_m = 0.025;
 constexpr double kPatchShare = 0.35;
-constexpr double kFloorShare = 0.25;
+constexpr double kFloorShare = 0.1;
 constexpr double kLeastAnswers = 3;
 constexpr double kDisparitySigma_px = 0.3;
 constexpr double kSigmas = 3;
@@ -86,7 +86,7 @@ void GroundView::collect(const stereo::DisparityImage& image) {
       const Eigen::Vector3f way = R * Eigen::Vector3f(u * depth_m, v * depth_m, depth_m);
       const Eigen::Vector3f p = eye + way;
       if (p.z() > static_cast<float>(top_m_)) continue;
-      if (p.z() < -step - slope * p.x()) {
+      if (code[col] > 0 && p.z() < -step - slope * p.x()) {
         const float share = eye.z() / -way.z();
         const float x = eye.x() + share * way.x();
         const float y = eye.y() + share * way.y();
@@ -105,7 +105,7 @@ void GroundView::collect(const stereo::DisparityImage& image) {
       const auto height_bins = (p.z() - static_cast<float>(kBottom_m)) / static_cast<float>(kBin_m);
       const int bin = std::clamp(static_cast<int>(std::floor(height_bins)) + 1, 0, kBins - 1);
       ++column.answers[bin];
-      if (code[col] > 0) ++column.sure;
+      if (code[col] > 0) ++column.sure[bin];
       column.top_m = std::max(column.top_m, p.z());
     }
   }
@@ -159,23 +159,24 @@ void GroundView::judge_cell(int ahead, int across, std::vector<Reference>& floor
   double above = 0;
   double height_sum_m = 0;
   for (int bin = 0; bin < kBins; ++bin) {
-    const double count = column.answers[bin];
+    const double sure = column.sure[bin];
     if (bin < low_bin) {
-      below += count;
+      below += sure;
     } else if (bin > high_bin) {
-      above += count;
+      above += column.answers[bin];
     } else {
-      level += count;
-      height_sum_m += count * (kBottom_m + (bin - 0.5) * kBin_m);
+      level += sure;
+      height_sum_m += sure * (kBottom_m + (bin - 0.5) * kBin_m);
     }
   }
   GroundCell& cell = cells_[at];
   if (above >= obstacle_answers) {
     cell.ground = Ground::kObstacle;
+    cell.plain = above >= 2 * obstacle_answers;
     cell.top_m = column.top_m;
   } else if (below >= obstacle_answers && below > level) {
     cell.ground = Ground::kDrop;
-  } else if (level >= floor_answers && column.sure > 0) {
+  } else if (level >= floor_answers) {
     cell.ground = Ground::kFloor;
     const double height_m = height_sum_m / level;
     heights_m_[at] = static_cast<float>(height_m);
@@ -228,28 +229,38 @@ void GroundView::find_hidden_step() {
   if (at_robot_m <= highest_m && at_robot_m >= lowest_m) return;
   const Ground step = at_robot_m > 0 ? Ground::kObstacle : Ground::kDrop;
   for (int across = kAcross / 2 - half; across < kAcross / 2 + half; ++across) {
+    for (int ahead = 0; ahead < first; ++ahead) {
+      cells_[index(ahead, across)].suspect = cell(ahead, across).ground == Ground::kUnseen;
+    }
     for (int ahead = first; ahead < last; ++ahead) {
       GroundCell& near = cells_[index(ahead, across)];
       if (near.ground != Ground::kFloor) continue;
       near.ground = step;
+      near.plain = true;
       near.top_m = heights_m_[index(ahead, across)];
     }
   }
 }
 
-// A single square without an answer amid floor is floor: whatever stood there would hide floor
-// behind it.
+// Two squares in a row without an answer between floor before and behind, or a single one amid
+// floor, are floor: what stands up by a step hides more floor than that behind it.
 void GroundView::close_gaps() {
   std::vector<std::size_t> gaps;
+  const auto is_floor = [&](int ahead, int across) {
+    return cell(ahead, across).ground == Ground::kFloor;
+  };
   for (int across = 1; across + 1 < kAcross; ++across) {
-    for (int ahead = 1; ahead + 1 < kAhead; ++ahead) {
+    for (int ahead = 1; ahead + 2 < kAhead; ++ahead) {
       if (cell(ahead, across).ground != Ground::kUnseen) continue;
       int floor = 0;
       for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx)
-          floor += cell(ahead + dx, across + dy).ground == Ground::kFloor ? 1 : 0;
+        for (int dx = -1; dx <= 1; ++dx) floor += is_floor(ahead + dx, across + dy) ? 1 : 0;
       }
-      if (floor >= kEnclosed) gaps.push_back(index(ahead, across));
+      const bool two = cell(ahead + 1, across).ground == Ground::kUnseen;
+      const bool between =
+          is_floor(ahead - 1, across) && is_floor(two ? ahead + 2 : ahead + 1, across);
+      if (floor >= kEnclosed || between) gaps.push_back(index(ahead, across));
+      if (between && two) gaps.push_back(index(ahead + 1, across));
     }
   }
   for (const std::size_t gap : gaps) cells_[gap].ground = Ground::kFloor;

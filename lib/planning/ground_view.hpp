@@ -39,7 +39,9 @@ enum class Ground : std::uint8_t {
 struct GroundCell {
   Ground ground = Ground::kUnseen;
   bool looked_at = false;  ///< both cameras would see a floor there
-  float top_m = 0;         ///< of an obstacle: how high it was seen, at most
+  bool suspect = false;  ///< out of sight, and a step lies somewhere between here and what is seen
+  bool plain = false;    ///< an obstacle seen by twice the answers that make one
+  float top_m = 0;       ///< of an obstacle: how high it was seen, at most
 };
 
 /// One disparity image as squares of ground before the robot: body frame, x forward from 0, y left.
@@ -55,9 +57,9 @@ class GroundView {
   /// seen there goes on from the floor before it by at most the slope and a step; so a ramp is
   /// floor, and a kerb of the same height is not. Where the nearest floor that is seen, carried on
   /// down to the robot by its own slope, misses the floor that the robot stands on by over a step,
-  /// it is a step that lies out of sight. An answer counts towards an obstacle from confidence 0
-  /// on, towards floor from 1 on; an obstacle takes as many answers as a third of a patch of 2.5 cm
-  /// gives at its distance.
+  /// it is a step that lies out of sight: the ground between is suspect. An obstacle takes as many
+  /// answers as a third of a patch of 2.5 cm gives at its distance, of whatever confidence; floor
+  /// and drops take confident ones.
   void look(const stereo::DisparityImage& image);
 
   [[nodiscard]] const GroundCell& cell(int ahead, int across) const {
@@ -78,7 +80,7 @@ class GroundView {
   static constexpr int kBins = 48;
   struct Column {
     std::uint16_t answers[kBins];  ///< with any confidence
-    std::uint16_t sure;            ///< with confidence 1 or more
+    std::uint16_t sure[kBins];     ///< of these, those with confidence 1 or more
     float top_m;
   };
   struct Reference {
