@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <vector>
 
 #include "core/result.hpp"
 #include "core/time.hpp"
@@ -15,6 +17,7 @@ struct ClassBrick {
   VoxelMask known;                                  ///< free or occupied
   VoxelMask occupied;                               ///< a part of known
   Utime utime = std::numeric_limits<Utime>::min();  ///< of the delta that this is from
+  bool changed = false;                             ///< since MapReplica::take_changes
 };
 
 /// A reader's copy of the map's classes, kept by deltas. A delta may come twice, late, or in parts:
@@ -37,11 +40,33 @@ class MapReplica {
   [[nodiscard]] const Grid& grid() const { return grid_; }
   [[nodiscard]] VoxelClass voxel_class(VoxelIndex voxel) const;
 
+  /// What a tile's voxels are, as one number: equal in two copies if and only if (but for one
+  /// chance in 2^64) all voxels are. 0 where all are unknown.
+  struct TileState {
+    std::uint64_t hash = 0;
+    Utime utime = std::numeric_limits<Utime>::min();  ///< of the newest delta with a brick of it
+  };
+  [[nodiscard]] TileState tile_state(TileIndex tile) const;
+  [[nodiscard]] const std::map<TileIndex, TileState>& tile_states() const { return tile_states_; }
+
+  /// What became different.
+  struct Changes {
+    bool started_over = false;       ///< the copy is a new one: nothing seen before holds
+    std::vector<BrickIndex> bricks;  ///< in which a voxel is of another class; sorted, each once
+  };
+  /// Since it was last asked.
+  [[nodiscard]] Changes take_changes();
+
  private:
+  void start_over(const MapDelta& delta);
+  void take(const BrickClasses& from, Utime utime);
+
   Grid grid_;
   std::uint64_t map_id_ = 0;
   double resolution_m_ = 0;
   Utime utime_ = std::numeric_limits<Utime>::min();
+  std::map<TileIndex, TileState> tile_states_;
+  Changes changes_;
 };
 
 }  // namespace cairn::mapping
