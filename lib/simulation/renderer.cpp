@@ -244,9 +244,11 @@ Result<Renderer> Renderer::create(const World& world, const camera::RigCalibrati
   if (!scene) return tl::make_unexpected(scene.error());
   std::vector<FaceTexture> textures;
   for (std::size_t i = 0; i < scene->faces().size(); ++i) {
-    const Material& material = world.materials[world.boxes[i / kFacesPerBox].material];
+    const Box& box = world.boxes[i / kFacesPerBox];
+    const Material& material = world.materials[box.material];
+    const std::size_t picture = box.pictures * kFacesPerBox + i % kFacesPerBox;
     textures.push_back(bake_texture(world, scene->faces()[i], material,
-                                    hash64(static_cast<std::uint64_t>(material.seed), i)));
+                                    hash64(static_cast<std::uint64_t>(material.seed), picture)));
   }
   const Eye left{rig.left, rig.T_body_left, std::move(*left_rays), 1.0F, 0.0F};
   const Eye right{rig.right, rig.T_body_left * rig.T_right_left.inverse(), std::move(*right_rays),

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,9 +12,12 @@
 
 namespace cairn::simulation {
 
-inline std::filesystem::path room_file() {
-  return std::filesystem::path(CAIRN_SOURCE_DIR) / "config" / "worlds" / "room.yaml";
+/// One of the worlds that ship.
+inline std::filesystem::path world_file(const std::string& name) {
+  return std::filesystem::path(CAIRN_SOURCE_DIR) / "config" / "worlds" / (name + ".yaml");
 }
+
+inline std::filesystem::path room_file() { return world_file("room"); }
 
 /// Two level cameras with a horizontal view of 60 degrees, 25.4 cm apart.
 inline camera::RigCalibration test_rig(int width_px = 640, int height_px = 480) {
