@@ -132,6 +132,18 @@ Result<void> check(const drive_command_t& message) {
       .verdict();
 }
 
+Result<void> check(const goal_t& message) {
+  Checker checker("GOAL");
+  checker.header(message.header)
+      .one_of("action", message.action,
+              {goal_t::ACTION_GO, goal_t::ACTION_CANCEL, goal_t::ACTION_EXPLORE});
+  if (message.action != goal_t::ACTION_GO) return checker.verdict();
+  return checker.within("x_m", message.x_m, -kMaxPosition_m, kMaxPosition_m)
+      .within("y_m", message.y_m, -kMaxPosition_m, kMaxPosition_m)
+      .finite("heading_rad", message.heading_rad)
+      .verdict();
+}
+
 Result<void> check(const range_t& message) {
   return Checker("RANGE")
       .header(message.header)

@@ -4,6 +4,7 @@
 #include <cairn/clearance_t.hpp>
 #include <cairn/clock_t.hpp>
 #include <cairn/drive_command_t.hpp>
+#include <cairn/goal_t.hpp>
 #include <cairn/odometry_t.hpp>
 #include <cairn/pose_t.hpp>
 #include <cairn/range_t.hpp>
@@ -22,6 +23,7 @@ namespace cairn::messages {
 [[nodiscard]] Result<void> check(const stereo_frame_t& message);
 [[nodiscard]] Result<void> check(const wheel_state_t& message);
 [[nodiscard]] Result<void> check(const drive_command_t& message);
+[[nodiscard]] Result<void> check(const goal_t& message);
 [[nodiscard]] Result<void> check(const range_t& message);
 [[nodiscard]] Result<void> check(const clearance_t& message);
 [[nodiscard]] Result<void> check(const clock_t& message);

@@ -129,6 +129,26 @@ TEST(Check, Range) {
   EXPECT_NE(verdict(bad).find("RANGE half_angle_rad"), std::string::npos);
 }
 
+TEST(Check, Goal) {
+  goal_t good{};
+  good.action = goal_t::ACTION_GO;
+  EXPECT_EQ(verdict(good), "good");
+  goal_t bad = good;
+  bad.action = 4;
+  EXPECT_EQ(verdict(bad), "GOAL action: is 4, which means nothing");
+  bad = good;
+  bad.x_m = 1e7;
+  EXPECT_EQ(verdict(bad).rfind("GOAL x_m: is 10000000", 0), 0U);
+  bad = good;
+  bad.y_m = kNan;
+  EXPECT_EQ(verdict(bad).rfind("GOAL y_m: is nan", 0), 0U);
+  bad = good;
+  bad.heading_rad = kNan;
+  EXPECT_EQ(verdict(bad), "GOAL heading_rad: is not finite");
+  bad.action = goal_t::ACTION_EXPLORE;
+  EXPECT_EQ(verdict(bad), "good") << "only a place to go to has a heading";
+}
+
 TEST(Check, Clearance) {
   clearance_t good{};
   EXPECT_EQ(verdict(good), "good");

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "planning/navigator.hpp"
+
+namespace cairn::planning {
+namespace {
+
+constexpr double kTurned_rad = 0.07;
+constexpr double kStep_m = 0.05;
+constexpr double kStep_rad = 0.15;
+constexpr double kPastTrouble_m = 0.5;
+constexpr double kAstray_m = 0.35;
+constexpr double kThere_m = 0.15;
+constexpr double kThere_rad = 0.25;
+constexpr double kBefore_m = 0.1;
+constexpr double kSpot_m = 0.12;
+constexpr double kLookAside_rad = 0.6;
+constexpr double kBehind_m = 0.25;
+constexpr double kSearchForSelf_s = 40;
+constexpr double kCarried_m = 0.15;
+
+std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(1e6 * seconds); }
+
+}  // namespace
+
+void Navigator::rest() {
+  activity_ = Activity::kNone;
+  turns_rad_.clear();
+  if (follower_.following()) {
+    follower_.drop();
+    ++path_count_;
+  }
+}
+
+// ---- turning and settling ----
+
+void Navigator::begin_turns(std::vector<double> turns_rad) {
+  std::reverse(turns_rad.begin(), turns_rad.end());
+  rest();
+  turns_rad_ = std::move(turns_rad);
+  last_heading_rad_ = now_.in_odom.heading_rad;
+  activity_ = Activity::kTurning;
+  begin_progress();
+}
+
+void Navigator::go_on_turning() {
+  turns_rad_.back() -= wrapped_rad(now_.in_odom.heading_rad - last_heading_rad_);
+  last_heading_rad_ = now_.in_odom.heading_rad;
+  if (std::abs(turns_rad_.back()) < kTurned_rad) {
+    turns_rad_.pop_back();
+    if (turns_rad_.empty()) begin_settling();
+  } else if (!getting_on()) {
+    recover();
+  }
+}
+
+void Navigator::begin_settling() {
+  rest();
+  if (mission_ == Mission::kExplore && !looked_round_ && recoveries_ == 0) looked_round_ = true;
+  activity_ = Activity::kSettling;
+  settled_at_ = now_.utime + microseconds(config_.settle_s);
+}
+
+void Navigator::go_on_settling() {
+  if (now_.utime < settled_at_) return;
+  rest();
+  const Pose2 here = in_map();
+  looked_ = view_ && (view_->pose.at_m - here.at_m).norm() < kThere_m &&
+            std::abs(wrapped_rad(view_->pose.heading_rad - here.heading_rad)) < kThere_rad;
+  if (mission_ == Mission::kGo && (destination_.at_m - here.at_m).norm() < kThere_m)
+    finish(Phase::kArrived, "there");
+}
+
+// ---- following ----
+
+void Navigator::go_on_following() {
+  if (follower_.arrived()) {
+    if (mission_ == Mission::kGo) return finish(Phase::kArrived, "there");
+    return begin_settling();
+  }
+  if (follower_.astray_m() > kAstray_m) return rest();
+  if (now_.utime > give_up_at_) return give_up_target();
+  if (!getting_on()) recover();
+}
+
+// ---- trouble ----
+
+void Navigator::begin_progress() {
+  progress_from_ = now_.in_odom;
+  progress_at_ = now_.utime;
+}
+
+bool Navigator::getting_on() {
+  const double moved_m = (now_.in_odom.at_m - progress_from_.at_m).norm();
+  const double turned_rad = wrapped_rad(now_.in_odom.heading_rad - progress_from_.heading_rad);
+  if (moved_m > kStep_m || std::abs(turned_rad) > kStep_rad) begin_progress();
+  if (recoveries_ > 0 && (now_.in_odom.at_m - recovered_at_m_).norm() > kPastTrouble_m)
+    recoveries_ = 0;
+  return now_.utime - progress_at_ < microseconds(config_.stuck_s);
+}
+
+void Navigator::recover() {
+  ++recoveries_;
+  recovered_at_m_ = now_.in_odom.at_m;
+  if (recoveries_ == 1) {
+    say(Phase::kRecovering, "does not get on: looks to both sides");
+    return begin_turns({kLookAside_rad, -2 * kLookAside_rad, kLookAside_rad});
+  }
+  if (recoveries_ == 2) {
+    say(Phase::kRecovering, "does not get on: takes it that something is in the way");
+    const Pose2 here = in_map();
+    const double before_m = 0.5 * robot_.length_m + kBefore_m;
+    blocked_.push_back({{here.at_m + before_m * ahead(here.heading_rad), kSpot_m},
+                        now_.utime + microseconds(config_.blocked_memory_s)});
+    view_.reset();
+    model_.renew();
+    return rest();
+  }
+  if (recoveries_ == 3 && can_back_off()) {
+    say(Phase::kRecovering, "does not get on: backs off the way it came");
+    rest();
+    back_from_m_ = now_.in_odom.at_m;
+    activity_ = Activity::kBackingOff;
+    return begin_progress();
+  }
+  give_up_target();
+}
+
+bool Navigator::can_back_off() const {
+  const Pose2 here = in_map();
+  return trail_.leads_over(here.at_m - kBehind_m * ahead(here.heading_rad));
+}
+
+void Navigator::go_on_backing_off() {
+  const double backed_m = (now_.in_odom.at_m - back_from_m_).norm();
+  if (backed_m < config_.back_off_m && can_back_off() && getting_on()) return;
+  view_.reset();
+  rest();
+}
+
+void Navigator::give_up_target() {
+  recoveries_ = 0;
+  if (mission_ == Mission::kGo) {
+    return finish(Phase::kRefused, "unreachable: tried and did not get there");
+  }
+  if (view_) {
+    exploration_.give_up_in_view(model_.ground(), view_->pose, Exploration::kMostLooks);
+  } else {
+    looked_round_ = true;
+  }
+  view_.reset();
+  rest();
+}
+
+// Where the robot stands nothing has come nearer since it knew, as long as it was not carried.
+void Navigator::be_lost() {
+  if (activity_ != Activity::kLost) {
+    rest();
+    view_.reset();
+    activity_ = Activity::kLost;
+    lost_since_ = now_.utime;
+    lost_at_m_ = now_.in_odom.at_m;
+    const auto& floor = trail_.floor();
+    const bool room = !floor.empty() && model_.ground().clearance_m(cell_at(floor.back().at_m)) >
+                                            robot_.turning_radius_m();
+    if (room || now_.allowed_mps > 0) turns_rad_ = {2 * std::numbers::pi};
+  }
+  const bool carried = (now_.in_odom.at_m - lost_at_m_).norm() > kCarried_m;
+  if (carried || now_.utime > lost_since_ + microseconds(kSearchForSelf_s)) turns_rad_.clear();
+  say(Phase::kRecovering,
+      turns_rad_.empty() ? "lost: waits to be told where it is" : "lost: turns to see where it is");
+}
+
+}  // namespace cairn::planning
