@@ -45,4 +45,27 @@ inline constexpr std::size_t kFacesPerBox = 6;
   return faces;
 }
 
+/// A straight edge of a box, in the world frame.
+struct Edge {
+  Eigen::Vector3d from_m;
+  Eigen::Vector3d to_m;
+};
+
+inline constexpr std::size_t kEdgesPerBox = 12;
+
+/// In the world frame: four along x, four along y, four along z of the box.
+[[nodiscard]] inline std::array<Edge, kEdgesPerBox> edges_of(const Box& box) {
+  std::array<Edge, kEdgesPerBox> edges;
+  for (int i = 0; i < static_cast<int>(kEdgesPerBox); ++i) {
+    const int along = i / 4;
+    Eigen::Vector3d from = -box.half_size_m;
+    if (i % 2 != 0) from((along + 1) % 3) *= -1;
+    if (i / 2 % 2 != 0) from((along + 2) % 3) *= -1;
+    Eigen::Vector3d to = from;
+    to(along) *= -1;
+    edges[static_cast<std::size_t>(i)] = {box.T_world_box * from, box.T_world_box * to};
+  }
+  return edges;
+}
+
 }  // namespace cairn::simulation

@@ -2,6 +2,7 @@
 #include "simulation/face_texture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -170,42 +171,68 @@ cv::Mat_<std::uint8_t> halved(const cv::Mat_<std::uint8_t>& fine) {
   return coarse;
 }
 
-float bilinear(const cv::Mat_<std::uint8_t>& image, float x, float y) {
-  const auto max_x = static_cast<float>(image.cols - 1);
-  const auto max_y = static_cast<float>(image.rows - 1);
-  x = std::clamp(x, 0.0F, max_x);
-  y = std::clamp(y, 0.0F, max_y);
-  const int col = static_cast<int>(x);
-  const int row = static_cast<int>(y);
-  const float fx = x - static_cast<float>(col);
-  const float fy = y - static_cast<float>(row);
-  const std::uint8_t* const upper = image[row];
-  const std::uint8_t* const lower = image[std::min(row + 1, image.rows - 1)];
-  const int next = std::min(col + 1, image.cols - 1);
-  const auto grey = [](const std::uint8_t* line, int at) { return static_cast<float>(line[at]); };
-  const float above = grey(upper, col) + fx * (grey(upper, next) - grey(upper, col));
-  const float below = grey(lower, col) + fx * (grey(lower, next) - grey(lower, col));
-  return above + fy * (below - above);
+constexpr int kFractionBits = 8;
+constexpr int kOne = 1 << kFractionBits;
+constexpr int kFraction = kOne - 1;
+
+/// 65536 times the grey value between four texels; x, y in 1/256 texel.
+int bilinear(const std::uint8_t* texels, std::size_t stride, int x, int y) {
+  const std::uint8_t* const upper = texels + static_cast<std::size_t>(y >> kFractionBits) * stride +
+                                    static_cast<std::size_t>(x >> kFractionBits);
+  const std::uint8_t* const lower = upper + stride;
+  const int fx = x & kFraction;
+  const int fy = y & kFraction;
+  const int above = upper[0] * (kOne - fx) + upper[1] * fx;
+  const int below = lower[0] * (kOne - fx) + lower[1] * fx;
+  return above * (kOne - fy) + below * fy;
+}
+
+FaceTexture::Level level_of(const cv::Mat_<std::uint8_t>& grey, float texels_per_m) {
+  FaceTexture::Level level{{}, texels_per_m};
+  constexpr int kPad = FaceTexture::kPad;
+  cv::copyMakeBorder(grey, level.grey, kPad, kPad, kPad, kPad, cv::BORDER_REPLICATE);
+  return level;
 }
 
 }  // namespace
 
-float FaceTexture::sample(float s_m, float t_m, float minor_m, float major_m, float along_s,
-                          float along_t) const {
-  const int taps = std::clamp(static_cast<int>(major_m / minor_m + 0.5F), 1, kMaxTaps);
-  const float width_m = std::max(minor_m, major_m / static_cast<float>(kMaxTaps));
+void FaceTexture::sample(std::span<const float> s_m, std::span<const float> t_m, const Spot& spot,
+                         float* grey) const {
+  // As many samples along the spot as it is longer than wide (Schilling, Knittel, Strasser 1996).
+  const int taps = std::clamp(static_cast<int>(spot.major_m / spot.minor_m + 0.5F), 1, kMaxTaps);
+  const float width_m = std::max(spot.minor_m, spot.major_m / static_cast<float>(kMaxTaps));
   const float texels = std::clamp(1.42F * width_m * levels.front().texels_per_m, 1.0F, 65536.0F);
-  const std::size_t level =
+  const std::size_t index =
       std::min<std::size_t>(std::bit_width(static_cast<unsigned>(texels)), levels.size()) - 1;
-  const auto& [image, per_m] = levels[level];
-  const float step_m = major_m / static_cast<float>(taps);
-  float sum = 0;
-  for (int tap = 0; tap < taps; ++tap) {
-    const float offset_m = (static_cast<float>(tap) - 0.5F * static_cast<float>(taps - 1)) * step_m;
-    sum += bilinear(image, (s_m + offset_m * along_s) * per_m - 0.5F,
-                    (t_m + offset_m * along_t) * per_m - 0.5F);
+  const Level& level = levels[index];
+  // Half the pad is for the spot, the other half for what lies beyond the face by rounding.
+  constexpr float kReach = FaceTexture::kPad / 2;
+  const float first = -0.5F * static_cast<float>(taps - 1);
+  const float step = std::min(spot.major_m * level.texels_per_m / static_cast<float>(taps),
+                              kReach / std::max(0.5F, -first));
+  const auto in_steps = [](float value) { return static_cast<int>(value * kOne); };
+  const float max_x = static_cast<float>(level.grey.cols) - kReach - 2;
+  const float max_y = static_cast<float>(level.grey.rows) - kReach - 2;
+  std::array<int, kMaxRun> x;
+  std::array<int, kMaxRun> y;
+  std::array<int, kMaxRun> sum{};
+  const std::size_t count = std::min(s_m.size(), kMaxRun);
+  for (std::size_t i = 0; i < count; ++i) {
+    x[i] = in_steps(std::clamp(s_m[i] * level.texels_per_m + (kPad - 0.5F), kReach, max_x) +
+                    first * step * spot.along_s);
+    y[i] = in_steps(std::clamp(t_m[i] * level.texels_per_m + (kPad - 0.5F), kReach, max_y) +
+                    first * step * spot.along_t);
   }
-  return sum / static_cast<float>(taps);
+  const int step_x = in_steps(step * spot.along_s);
+  const int step_y = in_steps(step * spot.along_t);
+  const auto stride = static_cast<std::size_t>(level.grey.cols);
+  for (int tap = 0; tap < taps; ++tap) {
+    for (std::size_t i = 0; i < count; ++i) {
+      sum[i] += bilinear(level.grey[0], stride, x[i] + tap * step_x, y[i] + tap * step_y);
+    }
+  }
+  const float scale = 1.0F / static_cast<float>(kOne * kOne * taps);
+  for (std::size_t i = 0; i < count; ++i) grey[i] = scale * static_cast<float>(sum[i]);
 }
 
 FaceTexture bake_texture(const World& world, const Face& face, const Material& material,
@@ -219,11 +246,13 @@ FaceTexture bake_texture(const World& world, const Face& face, const Material& m
   add_patches(relative, material, texel_m, hash64(seed, 2));
   add_joints(relative, material, texel_m);
   FaceTexture texture;
-  texture.levels.push_back(
-      {lit(relative, world, face, material, texel_m), static_cast<float>(1 / texel_m)});
-  while (texture.levels.back().grey.total() > 1) {
-    const FaceTexture::Level& finer = texture.levels.back();
-    texture.levels.push_back({halved(finer.grey), 0.5F * finer.texels_per_m});
+  cv::Mat_<std::uint8_t> grey = lit(relative, world, face, material, texel_m);
+  auto texels_per_m = static_cast<float>(1 / texel_m);
+  texture.levels.push_back(level_of(grey, texels_per_m));
+  while (grey.total() > 1) {
+    grey = halved(grey);
+    texels_per_m *= 0.5F;
+    texture.levels.push_back(level_of(grey, texels_per_m));
   }
   return texture;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
 #include "simulation/face.hpp"
@@ -12,16 +13,28 @@ namespace cairn::simulation {
 
 /// The picture on a face, lit: grey values 0 to 255, in halving sizes (Williams 1983).
 struct FaceTexture {
+  /// Texels that repeat the border on every side, so that a spot near it needs no special care.
+  static constexpr int kPad = 6;
+
   struct Level {
-    cv::Mat_<std::uint8_t> grey;
+    cv::Mat_<std::uint8_t> grey;  ///< padded
     float texels_per_m;
   };
   std::vector<Level> levels;  ///< from the finest to a single texel
 
-  /// Mean grey value around (s, t) [m] of a spot `minor_m` wide and `major_m` long along the
+  /// A spot on the face that a pixel sees: an ellipse with this width, and this length along the
   /// direction (along_s, along_t), which has unit length.
-  [[nodiscard]] float sample(float s_m, float t_m, float minor_m, float major_m, float along_s,
-                             float along_t) const;
+  struct Spot {
+    float minor_m;
+    float major_m;
+    float along_s;
+    float along_t;
+  };
+
+  /// Mean grey values of such spots around each (s, t) [m]; at most kMaxRun at once.
+  static constexpr std::size_t kMaxRun = 16;
+  void sample(std::span<const float> s_m, std::span<const float> t_m, const Spot& spot,
+              float* grey) const;
 };
 
 /// Bakes the picture of a face from its material. The same arguments give the same bytes.

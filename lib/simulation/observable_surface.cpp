@@ -103,7 +103,7 @@ Result<std::vector<Eigen::Vector3d>> observable_surface(
   if (const auto ok = camera::check(rig); !ok) return tl::make_unexpected(ok.error());
   auto rays = pixel_rays(rig.left, rig.width_px, rig.height_px);
   if (!rays) return fail("left " + rays.error().message);
-  const auto scene = RayScene::create(world);
+  const auto scene = RayScene::create(world.boxes);
   if (!scene) return tl::make_unexpected(scene.error());
   Observer observer(*scene, rig, std::move(*rays), config);
   for (const evaluation::StampedPose& pose : path) observer.look(pose.T);

@@ -56,8 +56,12 @@ bool attach_faces(RTCDevice device, RTCScene scene, const std::vector<Face>& fac
 
 struct RayScene::State {
   std::vector<Face> faces;
-  Device device;
+  std::vector<Edge> edges;
+  std::shared_ptr<Device> device;
   Scene scene;
+
+  static Result<std::unique_ptr<State>> create(std::shared_ptr<Device> device,
+                                               std::span<const Box> boxes);
 };
 
 RayScene::RayScene(std::unique_ptr<State> state) : state_{std::move(state)} {}
@@ -65,26 +69,43 @@ RayScene::~RayScene() = default;
 RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 
-Result<RayScene> RayScene::create(const World& world) {
+Result<std::unique_ptr<RayScene::State>> RayScene::State::create(std::shared_ptr<Device> device,
+                                                                 std::span<const Box> boxes) {
   auto state = std::make_unique<State>();
-  for (const Box& box : world.boxes) {
+  for (const Box& box : boxes) {
     for (const Face& face : faces_of(box)) state->faces.push_back(face);
+    for (const Edge& edge : edges_of(box)) state->edges.push_back(edge);
   }
-  state->device.reset(rtcNewDevice("threads=1"));
-  if (!state->device) {
-    return fail("ray tracer: Embree does not start, error " +
-                std::to_string(rtcGetDeviceError(nullptr)));
-  }
-  state->scene.reset(rtcNewScene(state->device.get()));
-  if (!attach_faces(state->device.get(), state->scene.get(), state->faces)) {
+  state->device = std::move(device);
+  state->scene.reset(rtcNewScene(state->device->get()));
+  if (!attach_faces(state->device->get(), state->scene.get(), state->faces)) {
     return fail("ray tracer: no memory for " + std::to_string(state->faces.size()) + " faces");
   }
   rtcSetSceneFlags(state->scene.get(), RTC_SCENE_FLAG_ROBUST);
   rtcCommitScene(state->scene.get());
-  return RayScene{std::move(state)};
+  return state;
+}
+
+Result<RayScene> RayScene::create(std::span<const Box> boxes) {
+  auto device = std::make_shared<Device>(rtcNewDevice("threads=1"));
+  if (!*device) {
+    return fail("ray tracer: Embree does not start, error " +
+                std::to_string(rtcGetDeviceError(nullptr)));
+  }
+  return State::create(std::move(device), boxes).map([](auto state) {
+    return RayScene{std::move(state)};
+  });
+}
+
+Result<RayScene> RayScene::beside(std::span<const Box> boxes) const {
+  return State::create(state_->device, boxes).map([](auto state) {
+    return RayScene{std::move(state)};
+  });
 }
 
 const std::vector<Face>& RayScene::faces() const { return state_->faces; }
+
+const std::vector<Edge>& RayScene::edges() const { return state_->edges; }
 
 void RayScene::first_faces(const Eigen::Vector3f& origin_m,
                            std::span<const Eigen::Vector3f> directions,
@@ -92,25 +113,21 @@ void RayScene::first_faces(const Eigen::Vector3f& origin_m,
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  alignas(32) RTCRayHit8 rays{};
+  std::fill_n(rays.ray.org_x, kPacket, origin_m.x());
+  std::fill_n(rays.ray.org_y, kPacket, origin_m.y());
+  std::fill_n(rays.ray.org_z, kPacket, origin_m.z());
+  std::fill_n(rays.ray.mask, kPacket, 0xffffffffU);
   for (std::size_t begin = 0; begin < directions.size(); begin += kPacket) {
     const std::size_t count = std::min(kPacket, directions.size() - begin);
     alignas(32) std::array<int, kPacket> valid{};
-    alignas(32) RTCRayHit8 rays;
+    std::fill_n(valid.begin(), count, -1);
     for (std::size_t i = 0; i < kPacket; ++i) {
       const Eigen::Vector3f& direction = directions[begin + std::min(i, count - 1)];
-      valid[i] = i < count ? -1 : 0;
-      rays.ray.org_x[i] = origin_m.x();
-      rays.ray.org_y[i] = origin_m.y();
-      rays.ray.org_z[i] = origin_m.z();
       rays.ray.dir_x[i] = direction.x();
       rays.ray.dir_y[i] = direction.y();
       rays.ray.dir_z[i] = direction.z();
-      rays.ray.tnear[i] = 0;
       rays.ray.tfar[i] = std::numeric_limits<float>::infinity();
-      rays.ray.time[i] = 0;
-      rays.ray.mask[i] = 0xffffffffU;
-      rays.ray.id[i] = 0;
-      rays.ray.flags[i] = 0;
       rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
     rtcIntersect8(valid.data(), state_->scene.get(), &context, &rays);

@@ -18,18 +18,25 @@ namespace cairn::simulation {
 using FaceIndex = std::uint32_t;
 inline constexpr FaceIndex kNothing = 0xffffffffU;
 
-/// The faces of a world, ready for rays (Embree, Wald et al. 2014). Faces of boxes are seen from
+/// The faces of boxes, ready for rays (Embree, Wald et al. 2014). Faces of boxes are seen from
 /// outside and inside.
 class RayScene {
  public:
   /// Fails if Embree does not start.
-  [[nodiscard]] static Result<RayScene> create(const World& world);
+  [[nodiscard]] static Result<RayScene> create(std::span<const Box> boxes);
+
+  /// Another scene on this one's ray tracer, made quickly: for what moves from frame to frame.
+  [[nodiscard]] Result<RayScene> beside(std::span<const Box> boxes) const;
+
   ~RayScene();
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
 
   /// Face f belongs to box f / kFacesPerBox.
   [[nodiscard]] const std::vector<Face>& faces() const;
+
+  /// Edge e belongs to box e / kEdgesPerBox.
+  [[nodiscard]] const std::vector<Edge>& edges() const;
 
   /// The first face along each of the rays from one point; as many results as directions.
   /// Directions need no unit length.

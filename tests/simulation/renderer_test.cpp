@@ -14,7 +14,7 @@
 namespace cairn::simulation {
 namespace {
 
-const SensorConfig kPerfect{0, 0, 1, 0};
+const SensorConfig kPerfect{0, 0, 1, 0, 0, 450};
 
 Renderer renderer(const World& world, const camera::RigCalibration& rig,
                   const SensorConfig& sensor = kPerfect, std::uint64_t seed = 1) {
@@ -158,6 +158,90 @@ TEST(Renderer, NoiseIsAsStrongAsItIsSaidToBe) {
   EXPECT_NEAR(mean[0], 0, 0.05);
   // Rounding to whole grey values adds 1/12 each.
   EXPECT_NEAR(deviation[0] * deviation[0], expected + 1.0 / 6, 0.03 * expected);
+}
+
+TEST(Renderer, ExposureWandersSlowlyAndInBothCamerasAlike) {
+  SensorConfig sensor = kPerfect;
+  sensor.exposure_drift = 0.1;
+  sensor.exposure_period_frames = 300;
+  const World world = world_of({box({5, 0, 0}, {1, 20, 20})});
+  const Renderer eyes = renderer(world, test_rig(160, 120), sensor, 3);
+  EXPECT_EQ(eyes.exposure(0), 1);
+  const RenderedPair first = eyes.render(Isometry::Identity(), 0);
+  double lowest = 1;
+  double highest = 1;
+  for (int frame = 1; frame < 1000; ++frame) {
+    EXPECT_LT(std::abs(eyes.exposure(frame) - eyes.exposure(frame - 1)), 0.003);
+    lowest = std::min(lowest, eyes.exposure(frame));
+    highest = std::max(highest, eyes.exposure(frame));
+  }
+  EXPECT_GE(lowest, 0.9);
+  EXPECT_LE(highest, 1.1);
+  EXPECT_GT(highest - lowest, 0.05);
+  const RenderedPair later = eyes.render(Isometry::Identity(), 700);
+  const double exposure = eyes.exposure(700);
+  EXPECT_NEAR(cv::mean(later.left)[0], exposure * cv::mean(first.left)[0], 0.5);
+  EXPECT_NEAR(cv::mean(later.right)[0], exposure * cv::mean(first.right)[0], 0.5);
+  EXPECT_NE(renderer(world, test_rig(160, 120), sensor, 4).exposure(700), exposure);
+}
+
+TEST(Renderer, CoarseDepthIsEveryFourthPixelOfDepth) {
+  const Renderer eyes = renderer(load_world(world_file("apartment")).value(), simulated_rig());
+  const Isometry T = pose_2d(-2.4, -0.95, 1);
+  const auto fine_m = eyes.left_depth_m(T);
+  const auto coarse_m = eyes.left_depth_m(T, 4);
+  ASSERT_EQ(coarse_m.size(), cv::Size(160, 120));
+  int off = 0;
+  for (int row = 0; row < 120; ++row) {
+    for (int col = 0; col < 160; ++col) off += coarse_m(row, col) != fine_m(4 * row, 4 * col);
+  }
+  EXPECT_LE(off, 2);  // ties at borders
+}
+
+TEST(Renderer, APersonStandsWhereTheyAreSaidTo) {
+  WorldConfig config;
+  config.materials.emplace_back().name = "stuff";
+  config.boxes = {box({0, 0, -0.1}, {20, 20, 0.2}), box({6, 0, 1}, {1, 20, 4})};
+  config.people.emplace_back().waypoints = {{{3, 0}}, {{3, 1}}};
+  const auto world = make_world(config, "test");
+  ASSERT_TRUE(world) << world.error().message;
+  const auto rig = test_rig();
+  const Renderer eyes = renderer(*world, rig);
+  const std::vector<PersonPose> people{{0, {3, 0}, 0.8, 0.4}};
+  const RenderedPair alone = eyes.render(Isometry::Identity(), 0);
+  const RenderedPair seen = eyes.render(Isometry::Identity(), 0, people);
+  int nearer = 0;
+  for (int row = 0; row < 480; ++row) {
+    for (int col = 0; col < 640; ++col) {
+      const double depth_m = seen.left_depth_m(row, col);
+      if (depth_m == alone.left_depth_m(row, col)) continue;
+      ++nearer;
+      EXPECT_LT(depth_m, alone.left_depth_m(row, col));
+      // In world axes: the camera looks along x from (0.1, 0.127, 0.45).
+      const double x_m = 0.1 + depth_m;
+      const double y_m = 0.127 - depth_m * (col - rig.left.cx_px) / rig.left.fx_px;
+      const double z_m = 0.45 - depth_m * (row - rig.left.cy_px) / rig.left.fy_px;
+      EXPECT_LT(std::hypot(x_m - 3, y_m), 0.25);
+      EXPECT_GT(z_m, -1e-4);
+      EXPECT_LT(z_m, 1.75 + 1e-4);
+    }
+  }
+  EXPECT_GT(nearer, 5000);
+  EXPECT_GT(mean_difference(alone.left, seen.left, seen.left_depth_m != alone.left_depth_m), 5);
+  EXPECT_TRUE(same(eyes.left_depth_m(Isometry::Identity(), 1, people), seen.left_depth_m));
+  // Somebody whom the world does not know is not there.
+  const std::vector<PersonPose> nobody{{1, {3, 0}, 0, 0}};
+  EXPECT_TRUE(same(eyes.render(Isometry::Identity(), 0, nobody).left, alone.left));
+}
+
+TEST(Renderer, TheSymmetricRoomLooksTheSameAfterHalfATurn) {
+  const Renderer eyes = renderer(load_world(world_file("symmetric-room")).value(), simulated_rig());
+  for (const auto& [x, y, heading] : {std::tuple{-1.5, -0.6, 0.0}, std::tuple{0.4, 0.9, 2.0}}) {
+    const RenderedPair here = eyes.render(pose_2d(x, y, heading), 0);
+    const RenderedPair there = eyes.render(pose_2d(-x, -y, heading + 3.14159265358979323846), 0);
+    EXPECT_LT(cv::norm(here.left, there.left, cv::NORM_L1), 0.01 * 640 * 480);
+    EXPECT_LT(cv::norm(here.left_depth_m, there.left_depth_m, cv::NORM_INF), 1e-4);
+  }
 }
 
 TEST(Renderer, TheSameSeedGivesTheSameBytesAndAnotherOnlyAnotherNoise) {

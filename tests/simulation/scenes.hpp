@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,6 +35,30 @@ inline Isometry pose_2d(double x_m, double y_m, double yaw) {
   T.linear() = rotation_from_rpy(0, 0, yaw);
   T.translation() = Eigen::Vector3d(x_m, y_m, 0);
   return T;
+}
+
+/// The rig of the simulated robot: lenses that bend, cameras a little turned.
+inline camera::RigCalibration simulated_rig() {
+  return camera::load_rig(std::string(CAIRN_SOURCE_DIR) + "/config/calibration/simulated-25cm.yaml")
+      .value();
+}
+
+/// A random pose on z = 0 with nothing within a distance of a point 0.30 m above it, inside the
+/// rectangle that the boxes' middles span.
+inline Isometry free_pose(const World& world, double distance_m, std::mt19937& random) {
+  Eigen::AlignedBox2d plan;
+  for (const Box& box : world.boxes) {
+    plan.extend(Eigen::Vector2d(box.T_world_box.translation().head<2>()));
+  }
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (;;) {
+    const Eigen::Vector2d at =
+        plan.min() + Eigen::Vector2d(unit(random), unit(random)).cwiseProduct(plan.sizes());
+    const double heading = 2 * 3.14159265358979323846 * unit(random);
+    if (world.distance_m({at.x(), at.y(), 0.3}) > distance_m) {
+      return pose_2d(at.x(), at.y(), heading);
+    }
+  }
 }
 
 inline BoxConfig box(std::vector<double> centre_m, std::vector<double> size_m,
