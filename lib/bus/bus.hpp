@@ -40,9 +40,12 @@ class Bus {
 
 inline constexpr std::string_view kAllChannels = "*";
 
+/// What an empty URL stands for: LCM_DEFAULT_URL if that is set, else
+/// udpm://239.255.76.67:7667?ttl=0. Any other stands for itself.
+[[nodiscard]] std::string effective_url(const std::string& url);
+
 /// The bus that a URL names: udpm://GROUP:PORT[?ttl=0&recv_buf_size=N] or
-/// file:///RECORDING[?out=RECORDING]. An empty URL is LCM_DEFAULT_URL if that is set, else
-/// udpm://239.255.76.67:7667?ttl=0.
+/// file:///RECORDING[?out=RECORDING]; an empty one as under effective_url.
 [[nodiscard]] Result<std::unique_ptr<Bus>> open_bus(const std::string& url);
 
 }  // namespace cairn::bus

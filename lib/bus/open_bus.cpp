@@ -27,10 +27,13 @@ Result<std::unique_ptr<Bus>> open_file_url(const std::string& url) {
 
 }  // namespace
 
-Result<std::unique_ptr<Bus>> open_bus(const std::string& url) {
+std::string effective_url(const std::string& url) {
   const char* from_environment = std::getenv("LCM_DEFAULT_URL");
-  const std::string effective =
-      !url.empty() ? url : (from_environment != nullptr ? from_environment : UdpUrl{}.text());
+  return !url.empty() ? url : (from_environment != nullptr ? from_environment : UdpUrl{}.text());
+}
+
+Result<std::unique_ptr<Bus>> open_bus(const std::string& url) {
+  const std::string effective = effective_url(url);
   if (effective.starts_with("file://")) return open_file_url(effective);
   const auto parsed = parse_udp_url(effective);
   if (!parsed) return tl::make_unexpected(parsed.error());

@@ -184,6 +184,18 @@ class Loader : public ConfigVisitor {
     values = parsed;
   }
 
+  void texts(const char* key, std::vector<std::string>& values, const char*) override {
+    const YAML::Node node = find(key);
+    if (!node) return;
+    if (!node.IsSequence()) return wrong(node, key, "is not a list of texts", "", "");
+    std::vector<std::string> parsed;
+    for (const YAML::Node& entry : node) {
+      if (!entry.IsScalar()) return wrong(entry, key, "holds an entry that is not a text", "", "");
+      parsed.push_back(entry.Scalar());
+    }
+    values = parsed;
+  }
+
   void finish() { close_scope(); }
   [[nodiscard]] const std::vector<std::string>& errors() const { return errors_; }
 
@@ -354,6 +366,11 @@ class Printer : public ConfigVisitor {
     for (const double value : values) list += (list.empty() ? "" : ", ") + number_text(value);
     line(key, "[" + list + "]", range_text(range), unit, help);
   }
+  void texts(const char* key, std::vector<std::string>& values, const char* help) override {
+    std::string list;
+    for (const std::string& value : values) list += (list.empty() ? "" : ", ") + quoted(value);
+    line(key, "[" + list + "]", "", "", help);
+  }
   [[nodiscard]] const std::string& result() const { return result_; }
 
  protected:
@@ -422,6 +439,9 @@ class ReferenceWriter : public ConfigVisitor {
     for (const double value : values) list += (list.empty() ? "" : ", ") + number_text(value);
     row(key, "[" + list + "]", range_text(range), unit, help);
   }
+  void texts(const char* key, std::vector<std::string>&, const char* help) override {
+    row(key, "[]", "texts", "", help);
+  }
   [[nodiscard]] const std::string& result() const { return result_; }
 
  protected:
@@ -457,8 +477,7 @@ std::map<std::string, YAML::Node> sections_of(const YAML::Node& root, const std:
   std::map<std::string, YAML::Node> sections;
   for (const auto& entry : root) {
     const std::string key = entry.first.Scalar();
-    const std::string place =
-        file + ":" + std::to_string(entry.first.Mark().line + 1) + ": " + key;
+    const std::string place = file + ":" + std::to_string(entry.first.Mark().line + 1) + ": " + key;
     if (!seen.insert(key).second) errors.push_back(place + ": stands here twice");
     if (!known.contains(key)) {
       errors.push_back(place + ": unknown section" + did_you_mean(key, known));

@@ -39,6 +39,9 @@ class ConfigVisitor {
                        std::size_t max_count, NumberRange range, const char* unit,
                        const char* help) = 0;
 
+  /// A list of texts.
+  virtual void texts(const char* key, std::vector<std::string>& values, const char* help) = 0;
+
   /// A config struct inside this one.
   template <class Config>
   void group(const char* key, Config& config, const char* help) {

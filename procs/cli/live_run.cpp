@@ -11,7 +11,8 @@
 #include <random>
 
 #include "bus/stop_signal.hpp"
-#include "procs/cli/child_process.hpp"
+#include "core/child_process.hpp"
+#include "core/start_program.hpp"
 #include "procs/cli/recording_player.hpp"
 
 namespace cairn::cli {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "procs/cli/shared_files.hpp"
 
-#include "procs/cli/child_process.hpp"
+#include "core/start_program.hpp"
 
 namespace cairn::cli {
 

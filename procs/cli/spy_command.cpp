@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "procs/cli/child_process.hpp"
+#include "core/start_program.hpp"
 #include "procs/cli/command.hpp"
 
 namespace cairn::cli {

@@ -22,6 +22,7 @@ struct Outer {
   std::string name = "a: \"b\"";
   std::string kind = "dry";
   std::vector<double> xyz_m = {1, 2, 3};
+  std::vector<std::string> words = {"one", "two: 3"};
   Inner inner;
   std::vector<Inner> steps;
 
@@ -31,6 +32,7 @@ struct Outer {
     v.text("name", name, "who");
     v.choice("kind", kind, {"dry", "wet"}, "which");
     v.numbers("xyz_m", xyz_m, 3, 3, {}, "m", "where");
+    v.texts("words", words, "what is said");
     v.group("inner", inner, "the inside");
     v.list("steps", steps, "one after the other");
   }
@@ -113,6 +115,9 @@ TEST_F(Config, WrongTypesAreEachNamed) {
             at(2) + "mapper.kind: 'moist' is not known (allowed: dry, wet)");
   EXPECT_EQ(error("mapper:\n  xyz_m: [1, 2]\n"),
             at(2) + "mapper.xyz_m: is not a list of 3 numbers (allowed: any number m)");
+  EXPECT_EQ(error("mapper:\n  words: one\n"), at(2) + "mapper.words: is not a list of texts");
+  EXPECT_EQ(error("mapper:\n  words: [one, [two]]\n"),
+            at(2) + "mapper.words: holds an entry that is not a text");
   EXPECT_NE(error("mapper:\n  inner: {speed_mps: nan}\n"), "");
   EXPECT_NE(error("mapper:\n  inner: {speed_mps: .inf}\n"), "");
 }
@@ -149,6 +154,7 @@ TEST_F(Config, WhatIsPrintedLoadsBackTheSame) {
   before.count = 8;
   before.inner.speed_mps = 0.1;
   before.steps.resize(2);
+  before.words = {"", "a=\"b\"", "# c"};
   const std::string printed = print_config("mapper", [&](ConfigVisitor& v) { before.visit(v); });
   const auto after = load(printed);
   ASSERT_TRUE(after) << after.error().message << "\n" << printed;
@@ -156,6 +162,7 @@ TEST_F(Config, WhatIsPrintedLoadsBackTheSame) {
   EXPECT_EQ(after->name, before.name);
   EXPECT_EQ(after->inner.speed_mps, 0.1);
   EXPECT_EQ(after->steps.size(), 2U);
+  EXPECT_EQ(after->words, before.words);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct Ran {
 Ran run(const TemporaryFolder& folder, const std::vector<std::string>& command) {
   const fs::path output = folder.path() / "output";
   fs::remove(output);
-  auto child = cli::ChildProcess::start(command, output).value();
+  auto child = ChildProcess::start(command, output).value();
   std::optional<int> code;
   while (!(code = child.exit_code())) ::sched_yield();
   std::ifstream file(output);

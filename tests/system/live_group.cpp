@@ -39,7 +39,7 @@ void LiveGroup::start(const std::string& process) {
 
 void LiveGroup::start(const std::string& name, const std::vector<std::string>& command) {
   children_.insert_or_assign(
-      name, cli::ChildProcess::start(command, folder_.path() / (name + ".log")).value());
+      name, ChildProcess::start(command, folder_.path() / (name + ".log")).value());
 }
 
 void LiveGroup::kill(const std::string& name, int signal) {

@@ -9,7 +9,7 @@
 
 #include "bus/host_clock.hpp"
 #include "bus/node.hpp"
-#include "procs/cli/child_process.hpp"
+#include "core/child_process.hpp"
 #include "procs/cli/run_recorder.hpp"
 #include "temporary_folder.hpp"
 
@@ -58,7 +58,7 @@ class LiveGroup {
   std::unique_ptr<bus::Bus> bus_;
   std::unique_ptr<bus::Node> node_;
   std::unique_ptr<cli::RunRecorder> recorder_;
-  std::map<std::string, cli::ChildProcess> children_;
+  std::map<std::string, ChildProcess> children_;
 };
 
 }  // namespace cairn::testing

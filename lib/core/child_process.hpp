@@ -10,7 +10,7 @@
 
 #include "core/result.hpp"
 
-namespace cairn::cli {
+namespace cairn {
 
 /// A program that was started; killed where this goes away while it still runs. It also dies with
 /// its starter.
@@ -41,7 +41,4 @@ class ChildProcess {
   std::optional<int> exit_code_;
 };
 
-/// The folder of the running program, where the other programs of the project are.
-[[nodiscard]] std::filesystem::path program_folder();
-
-}  // namespace cairn::cli
+}  // namespace cairn
