@@ -37,7 +37,7 @@ std::vector<float> lattice_row(std::uint64_t seed, std::int64_t index, double ce
     const double x = static_cast<double>(col) / cell_texels;
     const auto i = static_cast<std::int64_t>(x);
     if (i != have) {
-      before = node(i);
+      before = i == have + 1 && have >= 0 ? after : node(i);
       after = node(i + 1);
       have = i;
     }
@@ -63,8 +63,10 @@ void add_octave(cv::Mat_<float>& image, double cell_texels, float amplitude, std
     }
     const auto fraction = static_cast<float>(y - static_cast<double>(index));
     float* const out = image[row];
-    for (std::size_t col = 0; col < above.size(); ++col) {
-      out[col] += above[col] + fraction * (below[col] - above[col]);
+    const float* const upper = above.data();
+    const float* const lower = below.data();
+    for (int col = 0; col < image.cols; ++col) {
+      out[col] += upper[col] + fraction * (lower[col] - upper[col]);
     }
   }
 }

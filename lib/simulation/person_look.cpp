@@ -77,6 +77,16 @@ std::vector<Box> person_boxes(const Person& person, const PersonPose& pose) {
                  {kHeadLength * radius_m, kHeadWidth * radius_m, (1 - kNeck) * height_m}, 2)};
 }
 
+std::vector<Box> people_boxes(std::span<const Person> people, std::span<const PersonPose> poses) {
+  std::vector<Box> boxes;
+  for (const PersonPose& pose : poses) {
+    if (pose.person >= people.size()) continue;
+    const auto parts = person_boxes(people[pose.person], pose);
+    boxes.insert(boxes.end(), parts.begin(), parts.end());
+  }
+  return boxes;
+}
+
 std::vector<Material> person_materials(std::size_t person) {
   const double shade = 0.25 + 0.1 * static_cast<double>(person % 4);
   return {cloth(person, 1, shade, 0.3), cloth(person, 2, 0.7 - shade, 0.5),

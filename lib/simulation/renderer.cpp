@@ -81,11 +81,9 @@ struct Renderer::State {
 Renderer::State::Moving Renderer::State::put_people(std::span<const PersonPose> poses) const {
   Moving moving;
   for (const FaceTexture& picture : pictures) moving.pictures.push_back(&picture);
-  std::vector<Box> boxes;
+  const std::vector<Box> boxes = people_boxes(people, poses);
   for (const PersonPose& pose : poses) {
     if (pose.person >= people.size()) continue;
-    const auto parts = person_boxes(people[pose.person], pose);
-    boxes.insert(boxes.end(), parts.begin(), parts.end());
     for (const FaceTexture& picture : people_pictures[pose.person]) {
       moving.pictures.push_back(&picture);
     }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "scenes.hpp"
+#include "simulation/depth_renderer.hpp"
 
 namespace cairn::simulation {
 namespace {
@@ -126,6 +127,26 @@ TEST_P(FloorOf, IsAsLargeAsThePlaceAndAllOfOnePiece) {
   const auto wider = ReachableFloor::flood(*world, start, wide);
   ASSERT_TRUE(wider) << wider.error().message;
   EXPECT_GE(wider->area_m2(), 0.85 * floor->area_m2());
+}
+
+TEST_P(FloorOf, HasSomethingToSeeWhereverARobotLooksFromIt) {
+  const auto world = load_world(world_file(GetParam().world));
+  ASSERT_TRUE(world) << world.error().message;
+  const Eigen::Vector2d start = world->T_world_start.translation().head<2>();
+  const auto floor = ReachableFloor::flood(*world, start, {});
+  ASSERT_TRUE(floor) << floor.error().message;
+  const auto depth = DepthRenderer::create(*world, simulated_rig());
+  ASSERT_TRUE(depth) << depth.error().message;
+  for (std::size_t i = 0; i < floor->cells().size(); i += floor->cells().size() / 60) {
+    const Eigen::Vector3d& place_m = floor->cells()[i].middle_m;
+    if (!floor->has_room_at(place_m.head<2>())) continue;
+    for (int direction = 0; direction < 12; ++direction) {
+      Isometry T = pose_2d(place_m.x(), place_m.y(), 0.5236 * direction);
+      T.translation() = place_m;
+      T.linear() *= rotation_from_rpy(0.1, direction % 2 == 0 ? 0.15 : -0.15, 0);
+      ASSERT_EQ(cv::countNonZero(depth->left_m(T, 4) == 0), 0) << place_m.transpose();
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, FloorOf,

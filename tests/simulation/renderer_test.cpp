@@ -9,6 +9,7 @@
 #include <random>
 
 #include "scenes.hpp"
+#include "simulation/depth_renderer.hpp"
 #include "slab_ray.hpp"
 
 namespace cairn::simulation {
@@ -196,6 +197,19 @@ TEST(Renderer, CoarseDepthIsEveryFourthPixelOfDepth) {
     for (int col = 0; col < 160; ++col) off += coarse_m(row, col) != fine_m(4 * row, 4 * col);
   }
   EXPECT_LE(off, 2);  // ties at borders
+}
+
+TEST(DepthRenderer, GivesARenderersDepth) {
+  const World world = load_world(world_file("room")).value();
+  const Renderer eyes = renderer(world, simulated_rig());
+  const auto depth = DepthRenderer::create(world, simulated_rig());
+  ASSERT_TRUE(depth) << depth.error().message;
+  const Isometry T = pose_2d(-1.2, -1.1, 0.5);
+  for (const std::vector<PersonPose>& people :
+       {std::vector<PersonPose>{}, std::vector<PersonPose>{{1, {0.6, -0.2}, 1, 0.3}}}) {
+    EXPECT_TRUE(same(depth->left_m(T, 2, people), eyes.left_depth_m(T, 2, people)));
+    EXPECT_TRUE(same(depth->right_m(T, 4, people), eyes.right_depth_m(T, 4, people)));
+  }
 }
 
 TEST(Renderer, APersonStandsWhereTheyAreSaidTo) {
