@@ -15,6 +15,8 @@ constexpr double kStride_m = kCell_m;
 constexpr double kSeesOver_m = 0.4;   // of unknown ground, before a ray tells nothing any more
 constexpr std::int32_t kLattice = 3;  // cells between the places that are tried
 constexpr double kStanding_m = 0.2;   // floor must be known this far around a place
+constexpr double kAside = 0.3;        // what lies at the view's edge counts less by so much
+constexpr double kEnough_m2 = 1.5;
 constexpr double kWideTurn_rad = 1.2;
 constexpr double kWideTurnCost_s = 3;  // guard lets the robot creep onto what it has not seen yet
 constexpr double kSteering = 0.5;      // share of a turn's time that an arc costs
@@ -118,6 +120,10 @@ int Exploration::window() const {
   return std::max(1, static_cast<int>(config_.view_angle_deg / 360 * kDirections));
 }
 
+int Exploration::first_direction(double heading_rad) const {
+  return static_cast<int>(std::lround(heading_rad / direction_rad(1) - 0.5 * (window() - 1)));
+}
+
 double Exploration::time_s(const RouteField& routes, const Pose2& robot, Cell cell,
                            double heading_rad) const {
   const double drive_s = routes.cost[routes.box.index(cell)] / config_.cruise_mps;
@@ -154,12 +160,16 @@ std::optional<Viewpoint> Exploration::choose(const GroundMap& ground, const Rout
     }
     for (int d = 0; d < kDirections; ++d) {
       double gain = 0;
-      for (int k = 0; k < width; ++k)
-        gain += gains[static_cast<std::size_t>((d + k) % kDirections)];
+      double aimed = 0;
+      for (int k = 0; k < width; ++k) {
+        const double seen = gains[static_cast<std::size_t>((d + k) % kDirections)];
+        gain += seen;
+        aimed += seen * (1 - kAside * std::abs(2.0 * k / std::max(1, width - 1) - 1));
+      }
       if (gain < config_.least_m2) continue;
       const double heading_rad = wrapped_rad(direction_rad(d) + 0.5 * (width - 1) * ray_rad);
-      const double score =
-          time_s(routes, robot, cell, heading_rad) - config_.worth_s_per_m2 * std::min(gain, 1.5);
+      const double score = time_s(routes, robot, cell, heading_rad) -
+                           config_.worth_s_per_m2 * std::min(aimed, kEnough_m2);
       if (best && score >= best_score) continue;
       best = Viewpoint{{centre_m(cell), heading_rad}, gain};
       best_score = score;
@@ -176,7 +186,7 @@ std::optional<Viewpoint> Exploration::choose(const GroundMap& ground, const Rout
 double Exploration::gain_m2(const GroundMap& ground, const Pose2& from) const {
   double gain = 0;
   const int width = window();
-  const int first = static_cast<int>(std::lround(from.heading_rad / direction_rad(1))) - width / 2;
+  const int first = first_direction(from.heading_rad);
   for (int k = 0; k < width; ++k) {
     cast(ground, from.at_m, first + k,
          [&](Cell, double r) { gain += r * direction_rad(1) * kStride_m; });
@@ -187,7 +197,7 @@ double Exploration::gain_m2(const GroundMap& ground, const Pose2& from) const {
 void Exploration::give_up_in_view(const GroundMap& ground, const Pose2& from, int times) {
   std::set<Cell> seen;
   const int width = window();
-  const int first = static_cast<int>(std::lround(from.heading_rad / direction_rad(1))) - width / 2;
+  const int first = first_direction(from.heading_rad);
   for (int k = 0; k < width; ++k) {
     cast(ground, from.at_m, first + k, [&](Cell cell, double) {
       seen.insert(cell);

@@ -17,8 +17,8 @@ struct ExplorationConfig {
   double view_from_m = 0.7;
   double view_to_m = 2.4;
   double view_angle_deg = 50;
-  double least_m2 = 0.04;
-  double worth_s_per_m2 = 6;
+  double least_m2 = 0.06;
+  double worth_s_per_m2 = 20;
   double cruise_mps = 0.35;
   double turn_radps = 0.7;
 
@@ -83,6 +83,7 @@ class Exploration {
   [[nodiscard]] double time_s(const RouteField& routes, const Pose2& robot, Cell cell,
                               double heading_rad) const;
   [[nodiscard]] int window() const;
+  [[nodiscard]] int first_direction(double heading_rad) const;
 
   ExplorationConfig config_;
   CellGrid<std::uint8_t> wanted_;

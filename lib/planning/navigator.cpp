@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::int64_t kCarryPose_us = 200'000;
 constexpr std::int64_t kStale_us = 400'000;
+constexpr std::int64_t kMapComes_us = 6'000'000;
 constexpr double kEscape_m = 0.35;  // around the robot, ways may lead nearer to obstacles
 constexpr double kJump_m = 0.5;     // of the pose from one step to the next: put down elsewhere
 constexpr double kHere_m = 0.08;
@@ -113,6 +114,7 @@ void Navigator::step(const Situation& now, const mapping::MapReplica& map,
     rest();
   }
   now_ = now;
+  if (!stepped_) map_here_by_ = now.utime + kMapComes_us;
   stepped_ = true;
   if (changes.started_over) forget_place();
   model_.take(changes);
@@ -196,7 +198,7 @@ void Navigator::next_view() {
   const RouteField routes = all_routes(costs, cell_at(in_map().at_m));
   exploration_.update(ground, routes, robot_.turning_radius_m(), config_.route.margin_m);
   if (view_ && looked_) exploration_.give_up_in_view(ground, view_->pose, 1);
-  if (view_ && !looked_) {
+  if (view_ && !looked_ && activity_ == Activity::kFollowing) {
     const double least = std::max(config_.exploration.least_m2, kResolved * view_->gain_m2);
     if (exploration_.gain_m2(ground, view_->pose) >= least) return mend_way();
   }
@@ -215,7 +217,8 @@ void Navigator::explored(const RouteField& routes) {
                                    [](float cost) { return cost < kImpassable; });
   const double reach_m2 = static_cast<double>(cells) * kCell_m * kCell_m;
   if (reach_m2 < kEnclosed_m2 && recoveries_ < 2) return recover();
-  if (++nothing_wanted_ < kSureOfNothing) return;
+  if (!blocked_.empty()) return say(Phase::kExploring, "waits for a blocked way to come free");
+  if (++nothing_wanted_ < kSureOfNothing || now_.utime < map_here_by_) return;
   std::string reason = "nothing that can be reached is unknown any more";
   const double given_up_m2 = exploration_.given_up_m2();
   if (given_up_m2 > config_.exploration.least_m2)
@@ -228,6 +231,7 @@ void Navigator::next_way() {
   const CostGrid costs = costs_from_here();
   const Cell goal = cell_at(destination_.at_m);
   const auto route = find_route(costs, cell_at(in_map().at_m), goal);
+  if (!route && now_.utime < map_here_by_) return;
   if (!route) return finish(Phase::kRefused, why_not(goal, costs));
   say(Phase::kDriving, "under way");
   set_out(costs, route->cells, destination_);

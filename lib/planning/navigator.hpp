@@ -21,10 +21,11 @@ namespace cairn::planning {
 struct NavigatorConfig {
   double unseen_radius_m = 0.8;
   double stuck_s = 4;
+  double refused_s = 2.5;
   double settle_s = 0.8;
   double blocked_memory_s = 45;
-  double back_off_m = 0.3;
-  double back_off_mps = 0.1;
+  double back_off_m = 0.6;
+  double back_off_mps = 0.15;
   TraversabilityConfig ground;
   RouteConfig route;
   ExplorationConfig exploration;
@@ -35,6 +36,8 @@ struct NavigatorConfig {
         "unseen_radius_m", unseen_radius_m, {0.1, 3}, "m",
         "around where the robot is put down, floor is taken for granted: the cameras see none");
     v.number("stuck_s", stuck_s, {0.5, 60}, "s", "without getting on: something blocks the way");
+    v.number("refused_s", refused_s, {0.2, 60}, "s",
+             "that guard may refuse to let it go forward: something blocks the way");
     v.number("settle_s", settle_s, {0, 10}, "s", "that the map takes to show what was looked at");
     v.number("blocked_memory_s", blocked_memory_s, {1, 3600}, "s",
              "what blocked the way unseen stays in the way for this long");
@@ -138,6 +141,8 @@ class Navigator {
   void begin_progress();
   [[nodiscard]] bool getting_on();
   void recover();
+  void take_as_blocked();
+  void begin_backing_off();
   [[nodiscard]] bool can_back_off() const;
   void give_up_target();
   void be_lost();
@@ -151,7 +156,8 @@ class Navigator {
 
   Situation now_;
   bool stepped_ = false;
-  bool judged_ = false;  ///< the ground, at the step before
+  bool judged_ = false;    ///< the ground, at the step before
+  Utime map_here_by_ = 0;  ///< the map may take until then to come over the bus
 
   Mission mission_ = Mission::kNone;
   std::int64_t goal_id_ = 0;
@@ -179,6 +185,7 @@ class Navigator {
 
   Pose2 progress_from_;
   Utime progress_at_ = 0;
+  Utime allowed_at_ = 0;  ///< when guard last allowed what was wanted
   int recoveries_ = 0;
   Eigen::Vector2d recovered_at_m_ = Eigen::Vector2d::Zero();
   Utime lost_since_ = 0;

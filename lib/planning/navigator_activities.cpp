@@ -11,12 +11,15 @@ namespace {
 constexpr double kTurned_rad = 0.07;
 constexpr double kStep_m = 0.05;
 constexpr double kStep_rad = 0.15;
-constexpr double kPastTrouble_m = 0.5;
+constexpr double kPastTrouble_m = 0.9;
+constexpr double kWatch_s = 2.5;
+constexpr int kTriesForGoal = 6;
+constexpr int kTriesForView = 2;
 constexpr double kAstray_m = 0.35;
 constexpr double kThere_m = 0.15;
 constexpr double kThere_rad = 0.25;
-constexpr double kBefore_m = 0.1;
-constexpr double kSpot_m = 0.12;
+constexpr double kSpot_m = 0.15;
+constexpr double kHereabouts_m = 1.5;
 constexpr double kLookAside_rad = 0.6;
 constexpr double kBehind_m = 0.25;
 constexpr double kSearchForSelf_s = 40;
@@ -83,7 +86,9 @@ void Navigator::go_on_following() {
   }
   if (follower_.astray_m() > kAstray_m) return rest();
   if (now_.utime > give_up_at_) return give_up_target();
-  if (!getting_on()) recover();
+  if (now_.allowed_mps > 0 || follower_.turning()) allowed_at_ = now_.utime;
+  const bool refused = now_.utime - allowed_at_ > microseconds(config_.refused_s);
+  if (refused || !getting_on()) recover();
 }
 
 // ---- trouble ----
@@ -91,6 +96,7 @@ void Navigator::go_on_following() {
 void Navigator::begin_progress() {
   progress_from_ = now_.in_odom;
   progress_at_ = now_.utime;
+  allowed_at_ = now_.utime;
 }
 
 bool Navigator::getting_on() {
@@ -105,28 +111,28 @@ bool Navigator::getting_on() {
 void Navigator::recover() {
   ++recoveries_;
   recovered_at_m_ = now_.in_odom.at_m;
-  if (recoveries_ == 1) {
-    say(Phase::kRecovering, "does not get on: looks to both sides");
-    return begin_turns({kLookAside_rad, -2 * kLookAside_rad, kLookAside_rad});
-  }
-  if (recoveries_ == 2) {
-    say(Phase::kRecovering, "does not get on: takes it that something is in the way");
-    const Pose2 here = in_map();
-    const double before_m = 0.5 * robot_.length_m + kBefore_m;
-    blocked_.push_back({{here.at_m + before_m * ahead(here.heading_rad), kSpot_m},
-                        now_.utime + microseconds(config_.blocked_memory_s)});
-    view_.reset();
-    model_.renew();
-    return rest();
-  }
-  if (recoveries_ == 3 && can_back_off()) {
-    say(Phase::kRecovering, "does not get on: backs off the way it came");
-    rest();
-    back_from_m_ = now_.in_odom.at_m;
-    activity_ = Activity::kBackingOff;
-    return begin_progress();
-  }
-  give_up_target();
+  if (recoveries_ > (mission_ == Mission::kGo ? kTriesForGoal : kTriesForView))
+    return give_up_target();
+  if (recoveries_ % 2 == 0) return take_as_blocked();
+  if (can_back_off()) return begin_backing_off();
+  say(Phase::kRecovering, "does not get on: looks to both sides");
+  begin_turns({kLookAside_rad, -2 * kLookAside_rad, kLookAside_rad});
+}
+
+// The oftener something blocks the way hereabouts, the wider it is taken to be.
+void Navigator::take_as_blocked() {
+  say(Phase::kRecovering, "does not get on: takes it that something is in the way");
+  const Pose2 here = in_map();
+  const auto near = std::count_if(blocked_.begin(), blocked_.end(), [&](const Blocked& entry) {
+    return (entry.spot.at_m - here.at_m).norm() < kHereabouts_m;
+  });
+  const double radius_m = kSpot_m * static_cast<double>(1 << std::min<std::ptrdiff_t>(near, 2));
+  const double before_m = 0.5 * robot_.length_m + radius_m;
+  blocked_.push_back({{here.at_m + before_m * ahead(here.heading_rad), radius_m},
+                      now_.utime + microseconds(config_.blocked_memory_s)});
+  view_.reset();
+  model_.renew();
+  rest();
 }
 
 bool Navigator::can_back_off() const {
@@ -134,11 +140,21 @@ bool Navigator::can_back_off() const {
   return trail_.leads_over(here.at_m - kBehind_m * ahead(here.heading_rad));
 }
 
+// From farther away the cameras see what is in the way.
+void Navigator::begin_backing_off() {
+  say(Phase::kRecovering, "does not get on: backs off the way it came, to see");
+  rest();
+  back_from_m_ = now_.in_odom.at_m;
+  activity_ = Activity::kBackingOff;
+  begin_progress();
+}
+
 void Navigator::go_on_backing_off() {
   const double backed_m = (now_.in_odom.at_m - back_from_m_).norm();
   if (backed_m < config_.back_off_m && can_back_off() && getting_on()) return;
   view_.reset();
-  rest();
+  begin_settling();
+  settled_at_ += microseconds(kWatch_s);
 }
 
 void Navigator::give_up_target() {

@@ -3,15 +3,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cairn::planning {
 namespace {
 
-constexpr double kSample_m = 0.02;
+constexpr double kCorner = 1e-9;
 constexpr double kMoreCost =
     1.02;  // a straight line may cost this much more than the cells' stairs
 constexpr std::size_t kLongestPiece = 60;  // cells
 constexpr int kRoundings = 30;
+
+/// Where a straight way crosses the grid's lines along one axis, as shares of the way.
+struct Axis {
+  double next;  ///< infinite: no more
+  double each;
+  std::int32_t step;
+
+  Axis(double from_m, double way_m, std::int32_t cell, std::int32_t last)
+      : next{std::numeric_limits<double>::infinity()},
+        each{kCell_m / std::abs(way_m)},
+        step{last > cell ? 1 : -1} {
+    if (cell == last) return;
+    const double inside = from_m / kCell_m - cell;
+    next = std::max(0.0, (last > cell ? 1 - inside : inside) * each);
+  }
+  std::int32_t cross(std::int32_t cell, std::int32_t last) {
+    next = cell + step == last ? std::numeric_limits<double>::infinity() : next + each;
+    return cell + step;
+  }
+};
 
 std::vector<Eigen::Vector2d> straighten(const CostGrid& costs, std::span<const Cell> route) {
   std::vector<Eigen::Vector2d> corners{centre_m(route.front())};
@@ -41,9 +62,10 @@ std::vector<Eigen::Vector2d> with_points_between(const std::vector<Eigen::Vector
   for (std::size_t i = 1; i < corners.size(); ++i) {
     const Eigen::Vector2d way = corners[i] - corners[i - 1];
     const int count = std::max(1, static_cast<int>(std::ceil(way.norm() / kPointSpacing_m - 1e-9)));
-    for (int k = 1; k <= count; ++k) {
+    for (int k = 1; k < count; ++k) {
       points.emplace_back(corners[i - 1] + way * (static_cast<double>(k) / count));
     }
+    points.push_back(corners[i]);
   }
   return points;
 }
@@ -66,18 +88,27 @@ void round_corners(const CostGrid& costs, std::vector<Eigen::Vector2d>& points) 
 
 }  // namespace
 
+// Cell by cell (Amanatides and Woo 1987); a line through a corner goes straight on.
 double straight_cost(const CostGrid& costs, const Eigen::Vector2d& from_m,
                      const Eigen::Vector2d& to_m) {
-  const double length_m = (to_m - from_m).norm();
-  const int steps = std::max(1, static_cast<int>(std::ceil(length_m / kSample_m)));
+  Cell cell = cell_at(from_m);
+  const Cell last = cell_at(to_m);
+  const Eigen::Vector2d way = to_m - from_m;
+  Axis x(from_m.x(), way.x(), cell.x, last.x);
+  Axis y(from_m.y(), way.y(), cell.y, last.y);
   double sum = 0;
-  for (int i = 0; i <= steps; ++i) {
-    const Eigen::Vector2d at = from_m + (to_m - from_m) * (static_cast<double>(i) / steps);
-    const float cost = costs.at(cell_at(at), kImpassable);
+  double share = 0;
+  while (true) {
+    const float cost = costs.at(cell, kImpassable);
     if (cost == kImpassable) return kImpassable;
-    sum += (i == 0 || i == steps ? 0.5 : 1) * static_cast<double>(cost);
+    const double next = std::min({x.next, y.next, 1.0});
+    sum += static_cast<double>(cost) * std::max(0.0, next - share);
+    if (cell == last) return sum * way.norm();
+    share = next;
+    const double corner = std::min(x.next, y.next) + kCorner;
+    if (x.next <= corner) cell.x = x.cross(cell.x, last.x);
+    if (y.next <= corner) cell.y = y.cross(cell.y, last.y);
   }
-  return sum * length_m / steps;
 }
 
 std::vector<Eigen::Vector2d> smooth_path(const CostGrid& costs, std::span<const Cell> route) {

@@ -98,7 +98,7 @@ class Growth {
       if (ground_.reached[i] != 0) return;
       judge(cell, i, floor.height_m);
       if (ground_.classes[i] == ColumnClass::kUnknown) ground_.classes[i] = ColumnClass::kFree;
-      if (ground_.classes[i] == ColumnClass::kFree) queue_.push_back(cell);
+      queue_.push_back(cell);
     });
   }
 
@@ -109,12 +109,25 @@ class Growth {
       if (!ground_.box.contains(to)) continue;
       const std::size_t j = ground_.box.index(to);
       if (ground_.reached[j] != 0) continue;
+      if (ground_.classes[i] == ColumnClass::kOccupied) {
+        fill_obstacle(to, j, ground_.floor_m[i]);
+        continue;
+      }
       const int carried = ground_.classes[i] == ColumnClass::kFree ? 0 : carried_[i];
       if (carried >= kCarryCells) continue;
       judge(to, j, ground_.floor_m[i]);
       carried_[j] = static_cast<std::uint8_t>(carried + 1);
-      if (ground_.classes[j] != ColumnClass::kOccupied) queue_.push_back(to);
+      queue_.push_back(to);
     }
+  }
+
+  // What is joined to an obstacle and just as much in the way is a part of it.
+  void fill_obstacle(Cell cell, std::size_t i, double beside_m) {
+    judge(cell, i, beside_m);
+    if (ground_.classes[i] == ColumnClass::kOccupied) return queue_.push_back(cell);
+    ground_.reached[i] = 0;
+    ground_.classes[i] = ColumnClass::kUnknown;
+    ground_.ceiling_m[i] = std::numeric_limits<float>::infinity();
   }
 
   // What a column is, next to floor of this height.
@@ -156,7 +169,7 @@ class Growth {
   // Rays went down through the floor's height, and something lies below.
   bool drops(const VoxelColumns::Column& column, double floor_m) const {
     const double below_m = floor_m - tolerance_m_ - kRounding;
-    const std::uint64_t through = layers_.between(below_m - 2 * columns_.layer_m(), below_m);
+    const std::uint64_t through = layers_.between(below_m - 2 * columns_.layer_m(), floor_m);
     return (column.free & through) != 0 && (column.occupied & layers_.between(-1e3, below_m)) != 0;
   }
 

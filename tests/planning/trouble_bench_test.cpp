@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "explorer_bench.hpp"
+
+namespace cairn::testing {
+namespace {
+
+using planning::Phase;
+
+simulation::Box box(const Eigen::Vector3d& middle_m, const Eigen::Vector3d& size_m) {
+  simulation::Box made;
+  made.T_world_box.translation() = middle_m;
+  made.half_size_m = size_m / 2;
+  return made;
+}
+
+/// A closed room of 4 x 3 m; the robot starts at its west end and looks east.
+simulation::World bare_room() {
+  simulation::World world;
+  world.boxes = {box({0, 0, -0.1}, {4.4, 3.4, 0.2}),   box({0, 0, 2.6}, {4.4, 3.4, 0.2}),
+                 box({2.1, 0, 1.25}, {0.2, 3.4, 2.5}), box({-2.1, 0, 1.25}, {0.2, 3.4, 2.5}),
+                 box({0, 1.6, 1.25}, {4.4, 0.2, 2.5}), box({0, -1.6, 1.25}, {4.4, 0.2, 2.5})};
+  world.T_world_start.translation() = Eigen::Vector3d(-1.3, 0, 0);
+  return world;
+}
+
+std::string diary_of(const ExplorerBench& bench) {
+  std::string text;
+  for (const std::string& line : bench.diary()) text += line + "\n";
+  return text;
+}
+
+TEST(TroubleBench, ThinLegsAreDrivenRound) {
+  simulation::World world = bare_room();
+  for (const double y : {-0.7, -0.1, 0.35, 0.9}) {
+    world.boxes.push_back(box({0.1, y, 0.35}, {0.03, 0.03, 0.7}));
+    world.boxes.push_back(box({0.9, y - 0.2, 0.35}, {0.03, 0.03, 0.7}));
+  }
+  ExplorerBench bench(world, {.resolution_m = 0.02, .image_width_px = 320, .image_height_px = 240});
+  bench.navigator().explore(0);
+  bench.run(120);
+  EXPECT_EQ(bench.navigator().report().phase, Phase::kArrived) << diary_of(bench);
+  EXPECT_EQ(bench.touches(), 0) << diary_of(bench);
+}
+
+TEST(TroubleBench, AGoalInAWallIsRefusedAndOneBeyondItToo) {
+  ExplorerBench bench(bare_room(), {});
+  bench.navigator().explore(0);
+  bench.run(120);
+  ASSERT_TRUE(bench.navigator().idle()) << diary_of(bench);
+  const auto answer = [&](const Eigen::Vector2d& at_world_m) {
+    bench.navigator().go(1, {bench.to_map_m(at_world_m), {}});
+    bench.run(10);
+    EXPECT_EQ(bench.navigator().report().phase, Phase::kRefused);
+    return bench.navigator().report().reason;
+  };
+  EXPECT_EQ(answer({2.05, 0}).rfind("occupied", 0), 0U) << bench.navigator().report().reason;
+  EXPECT_EQ(answer({1.9, 0}).rfind("occupied", 0), 0U) << bench.navigator().report().reason;
+  EXPECT_EQ(answer({3.5, 0}).rfind("unknown", 0), 0U) << bench.navigator().report().reason;
+}
+
+TEST(TroubleBench, WhatIsPutInTheWayIsDrivenRound) {
+  ExplorerBench bench(bare_room(),
+                      {.image_width_px = 320, .image_height_px = 240, .frames_per_image = 1});
+  bench.navigator().explore(0);
+  bench.run(120);
+  ASSERT_TRUE(bench.navigator().idle()) << diary_of(bench);
+  bench.navigator().go(1, {bench.to_map_m({-1.4, 0}), M_PI_2});
+  bench.run(60);
+  ASSERT_EQ(bench.navigator().report().phase, Phase::kArrived) << diary_of(bench);
+  bench.navigator().go(2, {bench.to_map_m({1.4, 0}), {}});
+  const double before_m = bench.driven_m();
+  while (bench.driven_m() < before_m + 0.6 && !bench.navigator().idle()) bench.step();
+  bench.boxes().push_back(box({0.6, 0, 0.3}, {0.4, 1.2, 0.6}));
+  bench.run(200);
+  EXPECT_EQ(bench.navigator().report().phase, Phase::kArrived) << diary_of(bench);
+  EXPECT_LT((bench.in_world().at_m - Eigen::Vector2d(1.4, 0)).norm(), 0.1);
+  EXPECT_EQ(bench.touches(), 0) << diary_of(bench);
+}
+
+TEST(TroubleBench, WhenThereIsNoWayLeftItSaysSo) {
+  ExplorerBench bench(bare_room(), {});
+  bench.navigator().explore(0);
+  bench.run(120);
+  bench.navigator().go(1, {bench.to_map_m({-1.4, 0}), 0.0});
+  bench.run(60);
+  ASSERT_EQ(bench.navigator().report().phase, Phase::kArrived) << diary_of(bench);
+  bench.boxes().push_back(box({0.2, 0, 0.3}, {0.4, 3, 0.6}));
+  bench.navigator().go(2, {bench.to_map_m({1.4, 0}), {}});
+  bench.run(200);
+  EXPECT_EQ(bench.navigator().report().phase, Phase::kRefused) << diary_of(bench);
+  EXPECT_EQ(bench.navigator().report().reason.rfind("unreachable", 0), 0U);
+  EXPECT_EQ(bench.touches(), 0) << diary_of(bench);
+}
+
+TEST(TroubleBench, WhatGuardNeverAllowsIsGivenUp) {
+  ExplorerBench bench(bare_room(), {});
+  bench.meddle = [](planning::Situation& now) { now.allowed_mps = 0; };
+  bench.navigator().explore(0);
+  bench.run(300);
+  EXPECT_TRUE(bench.navigator().idle()) << diary_of(bench);
+  EXPECT_EQ(bench.touches(), 0);
+}
+
+TEST(TroubleBench, AMapThatShiftsUnderTheOdometryIsFollowed) {
+  ExplorerBench bench(bare_room(), {});
+  // The odometry frame drifts away by 20 cm and 9 degrees in half a minute.
+  bench.meddle = [&](planning::Situation& now) {
+    const double share = std::min(1.0, bench.time_s() / 30);
+    now.T_map_odom = {share * Eigen::Vector2d(0.15, -0.13), 0.15 * share};
+    now.in_odom = planning::moved(planning::inverse(now.T_map_odom), now.in_odom);
+  };
+  bench.navigator().explore(0);
+  bench.run(150);
+  EXPECT_EQ(bench.navigator().report().phase, Phase::kArrived) << diary_of(bench);
+  EXPECT_GE(bench.coverage(), 0.95);
+  EXPECT_EQ(bench.touches(), 0);
+}
+
+TEST(TroubleBench, TheSameRunTwiceIsTheSameToTheBit) {
+  const auto track = [] {
+    ExplorerBench bench(bare_room(), {});
+    bench.navigator().explore(0);
+    std::vector<double> numbers;
+    for (int i = 0; i < 15 * 25; ++i) {
+      bench.step();
+      numbers.push_back(bench.in_world().at_m.x());
+      numbers.push_back(bench.in_world().heading_rad);
+    }
+    return numbers;
+  };
+  EXPECT_EQ(track(), track());
+}
+
+}  // namespace
+}  // namespace cairn::testing
