@@ -16,22 +16,25 @@ std::uint64_t spread(std::uint64_t bits) {
 
 }  // namespace
 
-BrickClasses classes_of(const VoxelMap& map, BrickIndex index) {
+BrickClasses classes_of(BrickIndex index, const VoxelMask& known, const VoxelMask& occupied) {
   BrickClasses result;
   result.brick = index;
-  const EvidenceBrick* brick = map.grid().find(index);
-  if (brick == nullptr) return result;
   for (std::size_t half = 0; half < 16; ++half) {
     const std::size_t shift = 32 * (half % 2);
-    const std::uint64_t occupied = brick->occupied.words[half / 2] >> shift;
-    const std::uint64_t free =
-        (brick->known.words[half / 2] & ~brick->occupied.words[half / 2]) >> shift;
-    const std::uint64_t classes = spread(free) | spread(occupied) << 1;
+    const std::uint64_t free = known.words[half / 2] & ~occupied.words[half / 2];
+    const std::uint64_t classes = spread(free >> shift) | spread(occupied.words[half / 2] >> shift)
+                                                              << 1;
     for (std::size_t i = 0; i < 8; ++i) {
       result.classes[8 * half + i] = static_cast<std::uint8_t>(classes >> (8 * i));
     }
   }
   return result;
+}
+
+BrickClasses classes_of(const VoxelMap& map, BrickIndex index) {
+  const EvidenceBrick* brick = map.grid().find(index);
+  return brick == nullptr ? BrickClasses{index, 0, {}}
+                          : classes_of(index, brick->known, brick->occupied);
 }
 
 MapDelta make_delta(const VoxelMap& map, std::uint64_t map_id, Utime complete_through,

@@ -34,6 +34,10 @@ struct MapDelta {
   std::vector<BrickClasses> bricks;
 };
 
+/// The classes that these masks say; `occupied` is a part of `known`.
+[[nodiscard]] BrickClasses classes_of(BrickIndex brick, const VoxelMask& known,
+                                      const VoxelMask& occupied);
+
 /// All unknown where the map has no such brick.
 [[nodiscard]] BrickClasses classes_of(const VoxelMap& map, BrickIndex brick);
 

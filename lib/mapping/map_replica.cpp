@@ -122,4 +122,10 @@ VoxelClass MapReplica::voxel_class(VoxelIndex voxel) const {
   return brick->occupied.test(index) ? VoxelClass::kOccupied : VoxelClass::kFree;
 }
 
+BrickClasses classes_of(const MapReplica& map, BrickIndex index) {
+  const ClassBrick* brick = map.grid().find(index);
+  return brick == nullptr ? BrickClasses{index, 0, {}}
+                          : classes_of(index, brick->known, brick->occupied);
+}
+
 }  // namespace cairn::mapping

@@ -69,4 +69,7 @@ class MapReplica {
   Changes changes_;
 };
 
+/// All unknown where the copy has no such brick.
+[[nodiscard]] BrickClasses classes_of(const MapReplica& map, BrickIndex brick);
+
 }  // namespace cairn::mapping

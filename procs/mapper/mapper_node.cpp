@@ -2,13 +2,12 @@
 #include "procs/mapper/mapper_node.hpp"
 
 #include <filesystem>
+#include <utility>
 
 #include "core/checksum.hpp"
-#include "mapping/map_delta.hpp"
 #include "messages/check.hpp"
 #include "messages/disparity_messages.hpp"
 #include "messages/geometry_messages.hpp"
-#include "messages/map_messages.hpp"
 
 namespace cairn {
 
@@ -68,32 +67,43 @@ Result<std::unique_ptr<MapperNode>> MapperNode::create(const Config& config, bus
 
 MapperNode::MapperNode(const Config& config, mapping::VoxelMap map, const mapping::MapInfo& info,
                        bus::Node& node)
-    : config_{config}, node_{node}, map_{std::move(map)}, info_{info}, integrator_{config.rays} {
+    : config_{config},
+      node_{node},
+      map_{std::move(map)},
+      info_{info},
+      integrator_{config.rays},
+      publisher_{map_, info.map_id, node} {
   if (config.pose == "POSE") {
     node.join<channels::Disparity, channels::Pose>(
-        [this](const disparity_t& seen, const pose_t& from) {
-          if (auto good = messages::check(from); !good) {
-            node_.refuse(channels::Pose::name, good.error().message);
-          } else if (from.state == pose_t::STATE_TRACKING) {
-            integrate(seen, from.T_map_body);
-          } else {
-            ++node_.counter("not_mapped_unsure_of_pose");
-          }
-        });
+        [this](const disparity_t& seen, const pose_t& from) { take_posed(seen, from); });
   } else {
     node.join<channels::Disparity, channels::Odometry>(
-        [this](const disparity_t& seen, const odometry_t& from) {
-          if (auto good = messages::check(from); !good) {
-            node_.refuse(channels::Odometry::name, good.error().message);
-          } else if (from.quality >= config_.min_quality) {
-            integrate(seen, from.T_odom_body);
-          } else {
-            ++node_.counter("not_mapped_unsure_of_pose");
-          }
-        });
+        [this](const disparity_t& seen, const odometry_t& from) { take_odometric(seen, from); });
   }
   node.on<channels::MapCommand>([this](const map_command_t& command) { obey(command); });
   if (node.state().enabled()) node.every_host(kJournalPeriod_us, [this] { keep_journal(); });
+}
+
+void MapperNode::take_posed(const disparity_t& seen, const pose_t& from) {
+  if (auto good = messages::check(from); !good) {
+    node_.refuse(channels::Pose::name, good.error().message);
+  } else if (from.state == pose_t::STATE_TRACKING) {
+    integrate(seen, from.T_map_body);
+  } else {
+    ++node_.counter("not_mapped_unsure_of_pose");
+  }
+  publisher_.frame_done(info_.map_id, seen.header.utime, std::exchange(changed_, {}));
+}
+
+void MapperNode::take_odometric(const disparity_t& seen, const odometry_t& from) {
+  if (auto good = messages::check(from); !good) {
+    node_.refuse(channels::Odometry::name, good.error().message);
+  } else if (from.quality >= config_.min_quality) {
+    integrate(seen, from.T_odom_body);
+  } else {
+    ++node_.counter("not_mapped_unsure_of_pose");
+  }
+  publisher_.frame_done(info_.map_id, seen.header.utime, std::exchange(changed_, {}));
 }
 
 void MapperNode::integrate(const disparity_t& seen, const isometry_t& pose) {
@@ -101,8 +111,7 @@ void MapperNode::integrate(const disparity_t& seen, const isometry_t& pose) {
   if (!image) return node_.refuse(channels::Disparity::name, image.error().message);
   const auto T_map_body = messages::to_isometry(pose, "pose");
   if (!T_map_body) return node_.refuse(config_.pose, T_map_body.error().message);
-  const auto integration =
-      integrator_.integrate(*image, *T_map_body * image->camera.T_body_camera, map_);
+  auto integration = integrator_.integrate(*image, *T_map_body * image->camera.T_body_camera, map_);
   if (!integration) return node_.refuse(channels::Disparity::name, integration.error().message);
   if (info_.map_id == 0) {
     info_.map_id = mapping::make_map_id(static_cast<std::uint64_t>(seen.calibration_id),
@@ -111,26 +120,7 @@ void MapperNode::integrate(const disparity_t& seen, const isometry_t& pose) {
   info_.last_utime = image->utime;
   ++node_.counter("frames_mapped");
   node_.counter("occupied_voxels") = static_cast<std::int64_t>(map_.occupied_voxels());
-  changed_.insert(integration->changed.begin(), integration->changed.end());
-  publish_changes(image->utime);
-}
-
-// A batch of changes is made every fourth frame, once the one before is out; it goes out a message
-// a frame.
-void MapperNode::publish_changes(Utime utime) {
-  if (++frames_since_delta_ >= kFramesPerDelta && outgoing_.empty()) {
-    const std::vector<mapping::BrickIndex> bricks(changed_.begin(), changed_.end());
-    auto messages = messages::to_messages(mapping::make_delta(map_, info_.map_id, utime, bricks),
-                                          messages::DeltaKind::kChanges);
-    if (!messages) return node_.refuse(channels::MapDelta::name, messages.error().message);
-    for (map_delta_t& message : *messages) outgoing_.push_back(std::move(message));
-    changed_.clear();
-    frames_since_delta_ = 0;
-  }
-  if (outgoing_.empty()) return;
-  const Utime of_batch = outgoing_.front().header.utime;
-  node_.publish<channels::MapDelta>(std::move(outgoing_.front()), of_batch);
-  outgoing_.pop_front();
+  changed_ = std::move(integration->changed);
 }
 
 void MapperNode::obey(const map_command_t& command) {

@@ -2,12 +2,10 @@
 #pragma once
 
 #include <cairn/map_command_t.hpp>
-#include <cairn/map_delta_t.hpp>
-#include <deque>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
+#include <vector>
 
 #include "bus/node.hpp"
 #include "core/config.hpp"
@@ -16,6 +14,7 @@
 #include "mapping/map_journal.hpp"
 #include "mapping/ray_integrator.hpp"
 #include "mapping/voxel_map.hpp"
+#include "procs/mapper/map_publisher.hpp"
 
 namespace cairn {
 
@@ -40,16 +39,14 @@ struct MapperConfig {
 };
 
 /// mapper: turns what was seen, from where the robot was, into the voxel map. Joins DISPARITY and
-/// POSE (or ODOMETRY) by utime. Keeps its map in the state folder: killed at any moment it goes on
-/// with all but the last second.
+/// POSE (or ODOMETRY) by utime; maps where the robot is sure of its pose. Keeps its map in the
+/// state folder: killed at any moment it goes on with all but the last second.
 class MapperNode {
  public:
   using Config = MapperConfig;
   static constexpr const char* kName = "mapper";
   static constexpr const char* kAbout =
       "mapper: turns DISPARITY and POSE into the voxel map (MAP_DELTA, map.cairn)";
-  /// MAP_DELTA comes at least every so many frames (DESIGN rule 4).
-  static constexpr int kFramesPerDelta = 4;
 
   /// An error names the map file that cannot be gone on with.
   [[nodiscard]] static Result<std::unique_ptr<MapperNode>> create(const Config& config,
@@ -65,8 +62,9 @@ class MapperNode {
   [[nodiscard]] const mapping::MapInfo& info() const { return info_; }
 
  private:
+  void take_posed(const disparity_t& seen, const pose_t& from);
+  void take_odometric(const disparity_t& seen, const odometry_t& from);
   void integrate(const disparity_t& seen, const isometry_t& T_map_body);
-  void publish_changes(Utime utime);
   void obey(const map_command_t& command);
   void keep_journal();
 
@@ -76,9 +74,8 @@ class MapperNode {
   mapping::MapInfo info_;
   mapping::RayIntegrator integrator_;
   std::optional<mapping::MapJournal> journal_;
-  std::set<mapping::BrickIndex> changed_;
-  std::deque<map_delta_t> outgoing_;
-  int frames_since_delta_ = 0;
+  std::vector<mapping::BrickIndex> changed_;  ///< by the frame in work
+  MapPublisher publisher_;
 };
 
 }  // namespace cairn
