@@ -26,6 +26,7 @@ constexpr int kSureOfNothing = 5;
 constexpr double kEnclosed_m2 = 0.5;
 constexpr double kSlowest_mps = 0.12;  // where there is no room to spare
 constexpr double kSpeedPerRoom = 1.2;  // m/s more for each metre of room
+constexpr double kBackTurn_radps = 0.5;
 constexpr double kReckoned_mps = 0.3;
 
 std::string words(const char* format, double number) {
@@ -337,10 +338,15 @@ Drive Navigator::drive(Utime now) {
     case Activity::kLost:
       return moving_ = turns_rad_.empty() ? follower_.halt(moving_, dt_s)
                                           : follower_.turn(turns_rad_.back(), moving_, dt_s);
-    case Activity::kBackingOff:
-      moving_ = follower_.halt(moving_, dt_s);
+    case Activity::kBackingOff: {
+      const Eigen::Vector2d back_m =
+          moved(inverse(moved(now_.T_map_odom, pose)), {way_back_m_.back(), 0}).at_m;
+      const double curvature = 2 * back_m.y() / back_m.squaredNorm();
       moving_.forward_mps = -config_.back_off_mps;
+      moving_.turn_radps =
+          std::clamp(-config_.back_off_mps * curvature, -kBackTurn_radps, kBackTurn_radps);
       return moving_;
+    }
     default:
       return moving_ = follower_.halt(moving_, dt_s);
   }

@@ -24,7 +24,7 @@ struct NavigatorConfig {
   double refused_s = 2.5;
   double settle_s = 0.8;
   double blocked_memory_s = 45;
-  double back_off_m = 0.6;
+  double back_off_m = 0.8;
   double back_off_mps = 0.15;
   TraversabilityConfig ground;
   RouteConfig route;
@@ -41,7 +41,8 @@ struct NavigatorConfig {
     v.number("settle_s", settle_s, {0, 10}, "s", "that the map takes to show what was looked at");
     v.number("blocked_memory_s", blocked_memory_s, {1, 3600}, "s",
              "what blocked the way unseen stays in the way for this long");
-    v.number("back_off_m", back_off_m, {0, 2}, "m", "how far to back off where it is tight");
+    v.number("back_off_m", back_off_m, {0, 2}, "m",
+             "how far to back off, along the way it came, where it does not get on");
     v.number("back_off_mps", back_off_mps, {0.02, 0.5}, "m/s", "how fast");
     v.group("ground", ground, "what can be driven on");
     v.group("route", route, "what ways cost");
@@ -142,8 +143,8 @@ class Navigator {
   [[nodiscard]] bool getting_on();
   void recover();
   void take_as_blocked();
-  void begin_backing_off();
-  [[nodiscard]] bool can_back_off() const;
+  [[nodiscard]] bool begin_backing_off();
+  [[nodiscard]] bool aim_back();
   void give_up_target();
   void be_lost();
 
@@ -178,7 +179,7 @@ class Navigator {
   std::vector<double> turns_rad_;  ///< to come, the next one last
   double last_heading_rad_ = 0;
   Utime settled_at_ = 0;
-  Eigen::Vector2d back_from_m_ = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector2d> way_back_m_;  ///< in the map; the next point last
 
   Drive moving_;
   Utime moving_since_ = 0;

@@ -114,7 +114,7 @@ void Navigator::recover() {
   if (recoveries_ > (mission_ == Mission::kGo ? kTriesForGoal : kTriesForView))
     return give_up_target();
   if (recoveries_ % 2 == 0) return take_as_blocked();
-  if (can_back_off()) return begin_backing_off();
+  if (begin_backing_off()) return;
   say(Phase::kRecovering, "does not get on: looks to both sides");
   begin_turns({kLookAside_rad, -2 * kLookAside_rad, kLookAside_rad});
 }
@@ -135,23 +135,32 @@ void Navigator::take_as_blocked() {
   rest();
 }
 
-bool Navigator::can_back_off() const {
-  const Pose2 here = in_map();
-  return trail_.leads_over(here.at_m - kBehind_m * ahead(here.heading_rad));
-}
-
 // From farther away the cameras see what is in the way.
-void Navigator::begin_backing_off() {
-  say(Phase::kRecovering, "does not get on: backs off the way it came, to see");
+bool Navigator::begin_backing_off() {
   rest();
-  back_from_m_ = now_.in_odom.at_m;
+  way_back_m_ = trail_.way_back_m(config_.back_off_m);
+  std::reverse(way_back_m_.begin(), way_back_m_.end());
+  if (!aim_back()) return false;
+  say(Phase::kRecovering, "does not get on: backs off the way it came, to see");
   activity_ = Activity::kBackingOff;
   begin_progress();
+  return true;
+}
+
+// The next point of the way back must lie behind the robot.
+bool Navigator::aim_back() {
+  const Pose2 T_robot_map = inverse(in_map());
+  while (!way_back_m_.empty() &&
+         moved(T_robot_map, {way_back_m_.back(), 0}).at_m.norm() < kBehind_m) {
+    way_back_m_.pop_back();
+  }
+  if (way_back_m_.empty()) return false;
+  const Eigen::Vector2d next_m = moved(T_robot_map, {way_back_m_.back(), 0}).at_m;
+  return next_m.x() < -std::abs(next_m.y());
 }
 
 void Navigator::go_on_backing_off() {
-  const double backed_m = (now_.in_odom.at_m - back_from_m_).norm();
-  if (backed_m < config_.back_off_m && can_back_off() && getting_on()) return;
+  if (aim_back() && getting_on()) return;
   view_.reset();
   begin_settling();
   settled_at_ += microseconds(kWatch_s);

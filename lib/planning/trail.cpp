@@ -4,13 +4,6 @@
 #include <algorithm>
 
 namespace cairn::planning {
-namespace {
-
-constexpr std::size_t kLately = 30;
-constexpr double kBeside_m = 0.12;
-
-}  // namespace
-
 void Trail::stand(const Eigen::Vector2d& at_m, double height_m) {
   floor_.push_back({at_m, stand_radius_m_, height_m});
 }
@@ -27,10 +20,13 @@ bool Trail::drive(const Eigen::Vector2d& at_m, double height_m) {
   return true;
 }
 
-bool Trail::leads_over(const Eigen::Vector2d& at_m) const {
-  const std::size_t count = std::min(kLately, floor_.size());
-  return std::any_of(floor_.end() - static_cast<std::ptrdiff_t>(count), floor_.end(),
-                     [&](const KnownFloor& f) { return (f.at_m - at_m).norm() < kBeside_m; });
+std::vector<Eigen::Vector2d> Trail::way_back_m(double length_m) const {
+  std::vector<Eigen::Vector2d> way;
+  for (auto floor = floor_.rbegin(); floor != floor_.rend() && length_m > 0; ++floor) {
+    if (!way.empty()) length_m -= (floor->at_m - way.back()).norm();
+    way.push_back(floor->at_m);
+  }
+  return way;
 }
 
 }  // namespace cairn::planning

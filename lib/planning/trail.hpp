@@ -26,8 +26,8 @@ class Trail {
   bool drive(const Eigen::Vector2d& at_m, double height_m);
   void clear() { floor_.clear(); }
 
-  /// Whether the robot drove over this place lately.
-  [[nodiscard]] bool leads_over(const Eigen::Vector2d& at_m) const;
+  /// The way that it came, from here backwards for at most this long.
+  [[nodiscard]] std::vector<Eigen::Vector2d> way_back_m(double length_m) const;
 
   /// In the order of driving.
   [[nodiscard]] const std::vector<KnownFloor>& floor() const { return floor_; }
