@@ -14,8 +14,9 @@
 namespace cairn::bus {
 
 /// The processes of a robot, real or simulated.
-inline constexpr std::array<std::string_view, 9> kProcesses{
-    "camera", "simulator", "stereo", "odometry", "localizer", "mapper", "planner", "guard", "motor"};
+inline constexpr std::array<std::string_view, 9> kProcesses{"camera",   "simulator", "stereo",
+                                                            "odometry", "localizer", "mapper",
+                                                            "planner",  "guard",     "motor"};
 
 /// A config file has one section for each of them, and `robot` for what they must agree on.
 inline constexpr std::array<std::string_view, 10> kConfigSections{

@@ -32,9 +32,7 @@ struct RobotConfig {
   }
 
   /// Of the circle around the body frame's origin that the body never leaves while it turns [m].
-  [[nodiscard]] double turning_radius_m() const {
-    return 0.5 * std::hypot(length_m, width_m);
-  }
+  [[nodiscard]] double turning_radius_m() const { return 0.5 * std::hypot(length_m, width_m); }
 };
 
 }  // namespace cairn

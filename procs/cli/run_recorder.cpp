@@ -98,8 +98,8 @@ void RunRecorder::hear_pose(const bus::RawMessage& raw) {
                 frame_to_correction_ms_);
 }
 
-void RunRecorder::add_latencies(std::map<Utime, HostTime>& waiting, Utime through,
-                                HostTime sent_us, std::vector<double>& latencies) {
+void RunRecorder::add_latencies(std::map<Utime, HostTime>& waiting, Utime through, HostTime sent_us,
+                                std::vector<double>& latencies) {
   const auto end = waiting.upper_bound(through);
   for (auto frame = waiting.begin(); frame != end; ++frame) {
     latencies.push_back(1e-3 * static_cast<double>(sent_us - frame->second));
