@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,5 +21,17 @@ class ByteLink {
   /// An error: the line is gone, or takes no more now.
   [[nodiscard]] virtual Result<void> write(std::span<const std::uint8_t> bytes) = 0;
 };
+
+/// Opens a line, each time that it is called. An error says in words why it cannot, and what to do.
+using OpenLine = std::function<Result<std::unique_ptr<ByteLink>>()>;
+
+/// Gives `line` at the first call; after that it is gone.
+[[nodiscard]] inline OpenLine open_once(std::unique_ptr<ByteLink> line) {
+  auto kept = std::make_shared<std::unique_ptr<ByteLink>>(std::move(line));
+  return [kept]() -> Result<std::unique_ptr<ByteLink>> {
+    if (*kept == nullptr) return fail("the line was lost, and there is no other");
+    return std::move(*kept);
+  };
+}
 
 }  // namespace cairn::motor
