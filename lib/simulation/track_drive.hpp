@@ -33,4 +33,34 @@ struct TracksConfig {
   }
 };
 
+/// One track: its motor answers a duty with a delay of first order; some of its motion is lost on
+/// the ground. Exact for a duty that stays, however the time is cut into steps.
+class TrackDrive {
+ public:
+  TrackDrive(const TracksConfig& config, double mean_slip, std::uint64_t seed)
+      : config_{config}, mean_slip_{mean_slip}, slip_{mean_slip}, seed_{seed} {}
+
+  /// `duty`: share of full drive, -1 to 1.
+  void step(double duty, double dt_s);
+
+  /// Way of the track since its start, forward is positive [m].
+  [[nodiscard]] double way_m() const { return way_m_; }
+  /// Its mean speed during the step.
+  [[nodiscard]] double mps() const { return mean_mps_; }
+  /// What of that takes hold on the ground.
+  [[nodiscard]] double ground_mps() const { return mean_mps_ * (1 - slip_); }
+
+ private:
+  void let_slip_wander(double dt_s);
+
+  TracksConfig config_;
+  double mean_slip_;
+  double slip_;
+  std::uint64_t seed_;
+  std::uint64_t steps_ = 0;
+  double now_mps_ = 0;
+  double mean_mps_ = 0;
+  double way_m_ = 0;
+};
+
 }  // namespace cairn::simulation

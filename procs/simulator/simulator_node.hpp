@@ -40,7 +40,9 @@ class SimulatorNode {
       "simulator: plays a place, a robot in it, its cameras and its wheel controller";
   static constexpr Utime kStart_us = kMicrosecondsPerSecond;  ///< utime of frame 0
 
-  /// An error names the key or the file and line that does not serve.
+  [[nodiscard]] static Result<void> check(const Config& config);
+
+  /// An error names the key, or the file and line, that does not serve.
   [[nodiscard]] static Result<std::unique_ptr<SimulatorNode>> create(const Config& config,
                                                                      bus::Node& node);
   /// `wheel_device` and `speed` count for nothing here.

@@ -12,6 +12,7 @@
 #include "procs/camera/camera_node.hpp"
 #include "procs/mapper/mapper_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
+#include "procs/simulator/simulator_node.hpp"
 #include "procs/stereo/stereo_node.hpp"
 
 namespace cairn {
@@ -72,7 +73,8 @@ std::string section(const std::string& process) {
 
 TEST(Docs, TheConfigReferenceIsTheCode) {
   expect_part(kRoot / "config" / "README.md", "reference",
-              section<CameraConfig>("camera") + section<StereoNode::Config>("stereo") +
+              section<CameraConfig>("camera") + section<SimulatorConfig>("simulator") +
+                  section<StereoNode::Config>("stereo") +
                   section<OdometryNode::Config>("odometry") + section<MapperConfig>("mapper") +
                   "\n");
 }
@@ -88,6 +90,7 @@ TEST(Docs, EveryShippedRobotLoads) {
   for (const auto& entry : fs::directory_iterator(kRoot / "config" / "robots")) {
     ++files;
     expect_loads<CameraConfig>(entry.path(), "camera");
+    expect_loads<SimulatorConfig>(entry.path(), "simulator");
     expect_loads<StereoNode::Config>(entry.path(), "stereo");
     expect_loads<OdometryNode::Config>(entry.path(), "odometry");
     expect_loads<MapperConfig>(entry.path(), "mapper");
