@@ -196,6 +196,11 @@ class Loader : public ConfigVisitor {
     values = parsed;
   }
 
+  void reject(const char* key, const std::string& why) override {
+    const YAML::Node node = find(key);
+    report(node ? node : scopes_.back().map, scopes_.back().path + key + ": " + why);
+  }
+
   void finish() { close_scope(); }
   [[nodiscard]] const std::vector<std::string>& errors() const { return errors_; }
 
@@ -491,6 +496,8 @@ std::map<std::string, YAML::Node> sections_of(const YAML::Node& root, const std:
 }
 
 }  // namespace
+
+void ConfigVisitor::reject(const char*, const std::string&) {}
 
 Result<void> load_config(const ConfigSource& source, std::string_view section,
                          std::span<const std::string_view> known_sections,

@@ -42,6 +42,10 @@ class ConfigVisitor {
   /// A list of texts.
   virtual void texts(const char* key, std::vector<std::string>& values, const char* help) = 0;
 
+  /// The value of this key, just visited, cannot be used, for a reason that its type and range do
+  /// not give. The loader says so with its line; who reads nothing takes no notice.
+  virtual void reject(const char* key, const std::string& why);
+
   /// A config struct inside this one.
   template <class Config>
   void group(const char* key, Config& config, const char* help) {
