@@ -24,6 +24,9 @@ class Lockstep {
   /// `bus`, if it is not null, gets the node's own bus, for sources that send bytes as they are.
   [[nodiscard]] Node& add(const std::string& process, StateFolder state, Bus** bus = nullptr);
 
+  /// Host time of all nodes.
+  [[nodiscard]] const HostClock& clock() const { return clock_; }
+
   /// Runs until `source` asks to stop and nothing is left to do, or until `go_on`, which is asked
   /// whenever all is quiet, says no.
   void run(const Node& source, const std::function<bool()>& go_on = {});

@@ -10,6 +10,7 @@
 #include <memory>
 #include <random>
 
+#include "bus/process.hpp"
 #include "bus/stop_signal.hpp"
 #include "core/child_process.hpp"
 #include "core/start_program.hpp"
@@ -40,7 +41,8 @@ class LiveGroup {
     recorder_ = std::move(*recorder);
     if (!node_.wiring()) return tl::make_unexpected(node_.wiring().error());
     if (auto alone = check_alone(); !alone) return tl::make_unexpected(alone.error());
-    for (const char* process : {"stereo", "odometry", "mapper"}) {
+    for (const char* process : {"stereo", "odometry", "localizer", "mapper"}) {
+      if (process == std::string_view("localizer") && !plan_.localizer) continue;
       if (auto started = start(process); !started) return tl::make_unexpected(started.error());
     }
     if (auto ready = wait_until_heard(); !ready) return tl::make_unexpected(ready.error());
@@ -82,9 +84,9 @@ class LiveGroup {
   Result<void> check_alone() {
     const HostTime until_us = clock_.now_us() + kLongestHeartbeat_us;
     while (clock_.now_us() < until_us) node_.spin_once(kSpin_us);
-    for (const char* process : {"camera", "stereo", "odometry", "mapper"}) {
-      if (!recorder_->heard(process)) continue;
-      return fail(std::string("another group's ") + process +
+    for (const std::string_view process : bus::kProcesses) {
+      if (!recorder_->heard(std::string(process))) continue;
+      return fail("another group's " + std::string(process) +
                   " is on this bus already; end it, or choose another port: --lcm-url "
                   "udpm://239.255.76.67:7668?ttl=0");
     }

@@ -6,9 +6,10 @@
 
 namespace cairn::cli {
 
-/// Runs the recording through live processes over UDP: starts stereo, odometry and mapper, waits
-/// until each has been heard, plays the source at plan.speed, waits until its last frame is worked
-/// off, stops them, reports. What a process prints lands in plan.out/log/PROCESS.log.
+/// Runs the recording through live processes over UDP: starts stereo, odometry, localizer and
+/// mapper, waits until each has been heard, plays the source at plan.speed, waits until its last
+/// frame is worked off, stops them, reports. What a process prints lands in
+/// plan.out/log/PROCESS.log.
 [[nodiscard]] Result<RunResults> run_live(const RunPlan& plan, const ScoreMap& score_map = {});
 
 }  // namespace cairn::cli

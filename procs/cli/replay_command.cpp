@@ -13,7 +13,7 @@ struct Options {
   RunPlan plan;
   bool lockstep = false;
   bool json = false;
-  std::string poses = "odometry";
+  std::string poses;
 };
 
 int wrong_usage(const std::string& message) {
@@ -25,6 +25,10 @@ int replay(Options& options) {
   options.plan.truth_poses = options.poses == "truth";
   if (options.plan.truth_poses && !options.lockstep) {
     return wrong_usage("--poses truth: works with --lockstep alone");
+  }
+  if (!options.poses.empty()) {
+    options.plan.implied.push_back(std::string("mapper.pose=") +
+                                   (options.poses == "odometry" ? "ODOMETRY" : "POSE"));
   }
   if (auto checked = check_config(options.plan); !checked)
     return wrong_usage(checked.error().message);
@@ -63,11 +67,15 @@ void add_replay(CLI::App& app, Run& run) {
   command->add_option("--truth-frame", options->plan.truth_frame, "whose poses the truth gives")
       ->check(CLI::IsMember({"left_camera", "body"}));
   command
-      ->add_option("--poses", options->poses,
-                   "where the mapper takes poses from (truth: with --lockstep)")
-      ->check(CLI::IsMember({"odometry", "truth"}));
-  command->add_option("--config", options->plan.config_file,
-                      "YAML file with a section for each process");
+      ->add_option(
+          "--poses", options->poses,
+          "where the mapper takes poses from; default what mapper.pose says: the localizer, "
+          "where it is not ODOMETRY (truth: with --lockstep)")
+      ->check(CLI::IsMember({"localizer", "odometry", "truth"}));
+  command->add_option(
+      "--config", options->plan.config_file,
+      "YAML file with a section for each process; default: of a recording that a run made, "
+      "the config of that run");
   command->add_option("--set", options->plan.settings, "PROCESS.KEY=VALUE, wins over the file")
       ->allow_extra_args(false);
   command->add_option("--lcm-url", options->plan.lcm_url, "bus of a live run");

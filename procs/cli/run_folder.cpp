@@ -11,15 +11,18 @@
 #include <string_view>
 #include <utility>
 
+#include "core/atomic_file.hpp"
+
 namespace cairn::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr const char* kMark = ".cairn-run";
-constexpr std::array<std::string_view, 11> kWrittenByRuns{
-    "trajectory.tum", "trajectory_final.tum", "truth.tum", "map.cairn", "map.png", "map.ply",
-    "report.json",    "recording.lcmlog",     "state",     "log",       "sequence"};
+constexpr const char* kConfig = "config.yaml";
+constexpr std::array<std::string_view, 12> kWrittenByRuns{
+    "trajectory.tum", "trajectory_final.tum", "truth.tum", "map.cairn", "map.png",  "map.ply",
+    "report.json",    "recording.lcmlog",     "state",     "log",       "sequence", kConfig};
 
 bool lies_in(const fs::path& path, const fs::path& folder) {
   if (path.empty()) return false;
@@ -52,7 +55,21 @@ Result<int> lock(const fs::path& folder) {
   return fail(folder.string() + ": another run is writing into it; choose another --out");
 }
 
+Result<void> write_config(const RunPlan& plan) {
+  const auto text = config_text(plan);
+  if (!text) return tl::make_unexpected(text.error());
+  return write_file_atomically(plan.out / kConfig,
+                               {reinterpret_cast<const std::uint8_t*>(text->data()), text->size()});
+}
+
 }  // namespace
+
+fs::path config_of_run(const fs::path& folder) {
+  std::error_code error;
+  const fs::path config = folder / kConfig;
+  const bool there = fs::exists(folder / kMark, error) && fs::exists(config, error);
+  return there ? config : fs::path{};
+}
 
 Result<RunFolder> RunFolder::open(RunPlan& plan) {
   if (plan.out.empty()) plan.out = "out/replay";
@@ -68,6 +85,7 @@ Result<RunFolder> RunFolder::open(RunPlan& plan) {
     fs::remove_all(plan.out / name, error);
     if (error) return fail((plan.out / name).string() + ": cannot remove: " + error.message());
   }
+  if (auto written = write_config(plan); !written) return tl::make_unexpected(written.error());
   return folder;
 }
 

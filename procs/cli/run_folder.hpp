@@ -10,7 +10,7 @@ namespace cairn::cli {
 /// A folder is taken if it is new, empty, or holds the mark of an earlier run; of that run's files
 /// only those that runs write are removed. Anything else is refused, so that nobody's files are
 /// lost: a folder that no run made, one that another run is writing into, and one that holds what
-/// this run is to read.
+/// this run is to read. It gets the effective config of the run (config.yaml).
 class RunFolder {
  public:
   /// plan.out, by default out/replay. Everything that can be wrong with the plan should have been
@@ -27,5 +27,8 @@ class RunFolder {
   explicit RunFolder(int lock) : lock_{lock} {}
   int lock_;
 };
+
+/// The config that the run of this folder had; empty where the folder is no run's.
+[[nodiscard]] std::filesystem::path config_of_run(const std::filesystem::path& folder);
 
 }  // namespace cairn::cli

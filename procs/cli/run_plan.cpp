@@ -7,11 +7,9 @@
 #include "bus/recording.hpp"
 #include "camera/frame_source.hpp"
 #include "mapping/map_file.hpp"
-#include "procs/camera/camera_node.hpp"
+#include "procs/cli/run_folder.hpp"
+#include "procs/cli/run_processes.hpp"
 #include "procs/cli/truth.hpp"
-#include "procs/mapper/mapper_node.hpp"
-#include "procs/odometry/odometry_node.hpp"
-#include "procs/stereo/stereo_node.hpp"
 
 namespace cairn::cli {
 namespace {
@@ -24,7 +22,7 @@ Result<void> check_settings(const RunPlan& plan) {
     if (dot == std::string::npos || std::find(bus::kProcesses.begin(), bus::kProcesses.end(),
                                               process) == bus::kProcesses.end()) {
       return fail("--set " + setting +
-                  ": must begin with a process (camera, stereo, odometry, mapper): --set " +
+                  ": must begin with a process (stereo, odometry, localizer, mapper ...): --set " +
                   "mapper.resolution_m=0.05");
     }
   }
@@ -34,6 +32,32 @@ Result<void> check_settings(const RunPlan& plan) {
 template <class Config>
 Result<Config> load(const RunPlan& plan, const char* process) {
   return load_config<Config>(config_of(plan, process), process, bus::kConfigSections);
+}
+
+Result<void> take_from_dataset(RunPlan& plan) {
+  const auto dataset = camera::open_dataset(plan.source.string());
+  if (!dataset) return tl::make_unexpected(dataset.error());
+  if (plan.truth.empty()) {
+    plan.truth = dataset->info.truth_file;
+    plan.truth_format = dataset->info.truth_format;
+    plan.truth_frame = dataset->info.truth_frame;
+  }
+  if (dataset->frames->is_depth() && !plan.truth_poses) {
+    return fail(
+        plan.source.string() +
+        ": a depth recording has no images to take odometry from; use --lockstep --poses truth");
+  }
+  plan.implied.push_back("camera.source=dataset");
+  plan.implied.push_back("camera.dataset=" + plan.source.string());
+  plan.implied.push_back("camera.speed=" + std::to_string(plan.speed));
+  if (dataset->info.map_resolution_m > 0) {
+    plan.implied.push_back("mapper.resolution_m=" + std::to_string(dataset->info.map_resolution_m));
+  }
+  if (dataset->info.map_max_range_m > 0) {
+    plan.implied.push_back("mapper.rays.max_range_m=" +
+                           std::to_string(dataset->info.map_max_range_m));
+  }
+  return {};
 }
 
 Result<void> check_inputs(const RunPlan& plan) {
@@ -54,15 +78,12 @@ Result<void> check_inputs(const RunPlan& plan) {
 
 Result<void> check_config(const RunPlan& plan) {
   if (auto checked = check_settings(plan); !checked) return checked;
-  if (auto camera = load<CameraConfig>(plan, "camera"); !camera)
-    return tl::make_unexpected(camera.error());
-  if (auto odometry = load<OdometryNode::Config>(plan, "odometry"); !odometry) {
-    return tl::make_unexpected(odometry.error());
-  }
-  if (auto mapper = load<MapperConfig>(plan, "mapper"); !mapper)
-    return tl::make_unexpected(mapper.error());
-  const auto stereo = load<StereoNode::Config>(plan, "stereo");
-  return stereo ? StereoNode::check(*stereo) : tl::make_unexpected(stereo.error());
+  return for_each_process([&]<class ProcessNode>() -> Result<void> {
+    const auto config = load<typename ProcessNode::Config>(plan, ProcessNode::kName);
+    if (!config) return tl::make_unexpected(config.error());
+    if constexpr (requires { ProcessNode::check(*config); }) return ProcessNode::check(*config);
+    return {};
+  });
 }
 
 Result<RunPlan> complete(RunPlan plan) {
@@ -71,48 +92,41 @@ Result<RunPlan> complete(RunPlan plan) {
     return fail(plan.source.string() + ": no such file or folder");
   plan.source_is_dataset = std::filesystem::is_directory(plan.source, error);
   if (plan.source_is_dataset) {
-    const auto dataset = camera::open_dataset(plan.source.string());
-    if (!dataset) return tl::make_unexpected(dataset.error());
-    if (plan.truth.empty()) {
-      plan.truth = dataset->info.truth_file;
-      plan.truth_format = dataset->info.truth_format;
-      plan.truth_frame = dataset->info.truth_frame;
-    }
-    if (dataset->frames->is_depth() && !plan.truth_poses) {
-      return fail(
-          plan.source.string() +
-          ": a depth recording has no images to take odometry from; use --lockstep --poses truth");
-    }
-    plan.map_resolution_m = dataset->info.map_resolution_m;
-    plan.map_max_range_m = dataset->info.map_max_range_m;
+    if (auto taken = take_from_dataset(plan); !taken) return tl::make_unexpected(taken.error());
+  } else if (plan.config_file.empty()) {
+    plan.config_file = config_of_run(plan.source.parent_path());
   }
   if (plan.truth_poses && plan.truth.empty())
     return fail("--poses truth: the source names no truth; give --truth FILE");
+  const auto mapper = load<MapperConfig>(plan, MapperNode::kName);
+  if (!mapper) return tl::make_unexpected(mapper.error());
+  plan.localizer = mapper->pose == "POSE" && !plan.truth_poses;
   if (auto checked = check_inputs(plan); !checked) return tl::make_unexpected(checked.error());
   return plan;
 }
 
 ConfigSource config_of(const RunPlan& plan, const std::string& process) {
   ConfigSource source{plan.config_file, {}};
-  if (process == "camera") {
-    source.overrides = {"source=dataset", "dataset=" + plan.source.string(),
-                        "speed=" + std::to_string(plan.speed)};
-  }
-  if (process == "mapper") {
-    source.overrides.push_back(plan.truth_poses ? "pose=POSE" : "pose=ODOMETRY");
-    if (!plan.map.empty()) source.overrides.push_back("map=" + plan.map.string());
-    if (plan.map_resolution_m > 0) {
-      source.overrides.push_back("resolution_m=" + std::to_string(plan.map_resolution_m));
+  for (const auto* settings : {&plan.implied, &plan.settings}) {
+    for (const std::string& setting : *settings) {
+      if (setting.starts_with(process + "."))
+        source.overrides.push_back(setting.substr(process.size() + 1));
     }
-    if (plan.map_max_range_m > 0) {
-      source.overrides.push_back("rays.max_range_m=" + std::to_string(plan.map_max_range_m));
-    }
-  }
-  for (const std::string& setting : plan.settings) {
-    if (setting.starts_with(process + "."))
-      source.overrides.push_back(setting.substr(process.size() + 1));
   }
   return source;
+}
+
+Result<std::string> config_text(const RunPlan& plan) {
+  std::string text;
+  auto printed = for_each_process([&]<class ProcessNode>() -> Result<void> {
+    auto config = load<typename ProcessNode::Config>(plan, ProcessNode::kName);
+    if (!config) return tl::make_unexpected(config.error());
+    text +=
+        print_config(ProcessNode::kName, [&](ConfigVisitor& visitor) { config->visit(visitor); });
+    return {};
+  });
+  if (!printed) return tl::make_unexpected(printed.error());
+  return text;
 }
 
 std::filesystem::path state_of(const RunPlan& plan, const std::string& process) {

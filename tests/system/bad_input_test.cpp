@@ -52,8 +52,8 @@ TEST(BadInput, AMisspeltConfigKeyNamesFileAndLine) {
 
 TEST(BadInput, AWrongFlagIsAUsageError) {
   const TemporaryFolder folder;
-  for (const char* name : {"cairn-camera", "cairn-stereo", "cairn-odometry", "cairn-mapper",
-                           "cairn-cli", "cairn-spy"}) {
+  for (const char* name : {"cairn-camera", "cairn-stereo", "cairn-odometry", "cairn-localizer",
+                           "cairn-mapper", "cairn-cli", "cairn-spy"}) {
     EXPECT_EQ(run(folder, {program(name), "--no-such-flag"}).code, 2) << name;
     EXPECT_EQ(run(folder, {program(name), "--help"}).code, 0) << name;
     EXPECT_EQ(run(folder, {program(name), "--version"}).code, 0) << name;
@@ -192,7 +192,7 @@ TEST(BadInput, ADamagedRecordingIsPlayedButForItsDamage) {
 TEST(BadInput, WithoutARouteEveryProcessSaysWhatMendsIt) {
   if (!enter_network_namespace()) GTEST_SKIP() << kNoNamespace;
   const TemporaryFolder folder;
-  for (const char* name : {"cairn-stereo", "cairn-odometry", "cairn-mapper"}) {
+  for (const char* name : {"cairn-stereo", "cairn-odometry", "cairn-localizer", "cairn-mapper"}) {
     const Ran ran = run(folder, {program(name)});
     EXPECT_EQ(ran.code, 1) << name;
     EXPECT_NE(ran.output.find("sudo ip route add 224.0.0.0/4 dev lo"), std::string::npos)
@@ -218,8 +218,8 @@ TEST(BadInput, ATakenPortIsNamed) {
 TEST(BadInput, TenThousandJunkDatagramsLeaveTheLiveGroupWhole) {
   if (!enter_network_namespace() || !add_multicast_route()) GTEST_SKIP() << kNoNamespace;
   LiveGroup group(rendered_room(), 0.5);
-  for (const char* process : {"stereo", "odometry", "mapper"}) group.start(process);
-  ASSERT_TRUE(group.listen_until_heard({"stereo", "odometry", "mapper"}));
+  for (const std::string& process : kWithoutCamera) group.start(process);
+  ASSERT_TRUE(group.listen_until_heard(kWithoutCamera));
   group.start("camera");
   ASSERT_TRUE(group.listen_until([&] { return group.heard().frames() > 3; }));
   std::mt19937 random(12);

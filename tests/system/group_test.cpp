@@ -49,8 +49,8 @@ class GroupTest : public ::testing::Test {
 
   // Plays the dataset through camera, stereo, odometry and mapper.
   static void run(LiveGroup& group) {
-    for (const char* process : {"stereo", "odometry", "mapper"}) group.start(process);
-    ASSERT_TRUE(group.listen_until_heard({"stereo", "odometry", "mapper"}));
+    for (const std::string& process : kWithoutCamera) group.start(process);
+    ASSERT_TRUE(group.listen_until_heard(kWithoutCamera));
     group.start("camera");
     ASSERT_EQ(group.wait("camera"), 0) << group.output("camera");
     group.listen_until_quiet();
@@ -123,8 +123,8 @@ TEST_F(GroupTest, WhatLcmLoggerCapturedPlaysAgainByLockstepAndByLcmLogplayer) {
 
   // By lcm-logplayer, into a live group without a camera.
   LiveGroup group(dataset);
-  for (const char* process : {"stereo", "odometry", "mapper"}) group.start(process);
-  ASSERT_TRUE(group.listen_until_heard({"stereo", "odometry", "mapper"}));
+  for (const std::string& process : kWithoutCamera) group.start(process);
+  ASSERT_TRUE(group.listen_until_heard(kWithoutCamera));
   group.start("lcm-logplayer", {"/usr/bin/lcm-logplayer", "-l", kStockUrl, "-e",
                                 "^(STEREO_FRAME|CALIBRATION|WHEEL_STATE|RANGE|CLOCK)$", log});
   ASSERT_EQ(group.wait("lcm-logplayer"), 0) << group.output("lcm-logplayer");
@@ -144,8 +144,8 @@ TEST_F(GroupTest, AStrangersStereoTakesOverAndTheMapGoesOnGrowing) {
       if (counter.name == "frames_mapped") mapped = counter.value;
     }
   });
-  for (const char* process : {"stereo", "odometry", "mapper"}) group.start(process);
-  ASSERT_TRUE(group.listen_until_heard({"stereo", "odometry", "mapper"}));
+  for (const std::string& process : kWithoutCamera) group.start(process);
+  ASSERT_TRUE(group.listen_until_heard(kWithoutCamera));
   group.start("camera");
   ASSERT_TRUE(group.listen_until([&] { return mapped > 5; }));
   group.kill("stereo", SIGTERM);

@@ -21,7 +21,7 @@ LiveGroup::LiveGroup(const std::filesystem::path& dataset, double speed) {
   plan.source = dataset;
   plan.speed = speed;
   plan = cli::complete(plan).value();
-  for (const char* process : {"camera", "stereo", "odometry", "mapper"}) {
+  for (const char* process : {"camera", "stereo", "odometry", "localizer", "mapper"}) {
     settings_[process] = cli::config_of(plan, process).overrides;
   }
   bus_ = bus::open_bus(kStockUrl).value();

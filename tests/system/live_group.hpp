@@ -18,13 +18,16 @@ namespace cairn::testing {
 /// What a stock kernel gives a socket: asked for half of 212,992, which the kernel doubles.
 inline constexpr const char* kStockUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=106496";
 
+/// What a replay runs besides its source.
+inline const std::vector<std::string> kWithoutCamera{"stereo", "odometry", "localizer", "mapper"};
+
 /// Real processes on real multicast, and a listener.
 class LiveGroup {
  public:
   explicit LiveGroup(const std::filesystem::path& dataset, double speed = 1);
 
-  /// camera, stereo, odometry or mapper with this run's state folder and settings; again after a
-  /// kill: a restart.
+  /// camera, stereo, odometry, localizer or mapper with this run's state folder and settings; again
+  /// after a kill: a restart.
   void start(const std::string& process);
   /// Any other program, under a name.
   void start(const std::string& name, const std::vector<std::string>& command);

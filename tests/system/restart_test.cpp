@@ -18,11 +18,11 @@ TEST(Restart, EachProcessIsKilledOnceAndTheRunEndsNearTheTruth) {
   if (!enter_network_namespace() || !add_multicast_route()) GTEST_SKIP() << kNoNamespace;
   const std::filesystem::path dataset = real_street().value_or(rendered_room());
   LiveGroup group(dataset);
-  for (const char* process : {"stereo", "odometry", "mapper"}) group.start(process);
-  ASSERT_TRUE(group.listen_until_heard({"stereo", "odometry", "mapper"}));
+  for (const std::string& process : kWithoutCamera) group.start(process);
+  ASSERT_TRUE(group.listen_until_heard(kWithoutCamera));
   group.start("camera");
   std::int64_t frames = 8;
-  for (const char* process : {"stereo", "camera", "odometry", "mapper"}) {
+  for (const char* process : {"stereo", "camera", "odometry", "localizer", "mapper"}) {
     ASSERT_TRUE(group.listen_until([&] { return group.heard().frames() >= frames; }))
         << "before " << process;
     group.kill(process);
@@ -37,7 +37,7 @@ TEST(Restart, EachProcessIsKilledOnceAndTheRunEndsNearTheTruth) {
             camera::open_dataset(dataset.string()).value().info.utimes.back());
   EXPECT_GE(group.heard().frames(), dataset_size - 1)
       << "the camera goes on after the last frame that it published";
-  for (const char* process : {"stereo", "camera", "odometry", "mapper"}) {
+  for (const char* process : {"stereo", "camera", "odometry", "localizer", "mapper"}) {
     EXPECT_EQ(group.heard().restarts()[process], 1U) << process;
   }
   const double error = end_error_fraction(group.heard().trajectory(), dataset);
