@@ -10,6 +10,7 @@
 #include "core/time.hpp"
 #include "messages/calibration_messages.hpp"
 #include "messages/geometry_messages.hpp"
+#include "procs/simulator/fast_senses.hpp"
 #include "procs/simulator/feedback_gate.hpp"
 #include "procs/simulator/paint_shop.hpp"
 #include "procs/simulator/simulated_time.hpp"
@@ -33,12 +34,32 @@ constexpr std::int64_t kClockPeriod_us = 40'000;
 /// Time that stands still is nothing to speak of for so long.
 constexpr HostTime kWaitsQuietly_us = kMicrosecondsPerSecond;
 
-/// Everything that a run is made of.
+/// Everything that a run is made of; either pictures, or senses without pictures.
 struct Parts {
   camera::RigCalibration rig;
   Playground playground;
   std::unique_ptr<PaintShop> pictures;
+  std::unique_ptr<FastSenses> senses;
 };
+
+Result<void> add_pictures(const simulation::World& world, const SimulatorConfig& config,
+                          std::uint64_t seed, PaintShop::Place place, Parts& parts) {
+  auto renderer =
+      simulation::Renderer::create(world, parts.rig, config.sensor, simulation::hash64(seed, 2));
+  if (!renderer) return tl::make_unexpected(renderer.error());
+  parts.pictures = std::make_unique<PaintShop>(
+      FramePainter(std::move(*renderer), parts.rig.id, config.frame_budget_bytes), place);
+  return {};
+}
+
+Result<void> add_senses(const simulation::World& world, std::uint64_t seed, Parts& parts) {
+  auto disparity =
+      simulation::DisparityModel::create(world, parts.rig, simulation::hash64(seed, 2));
+  if (!disparity) return tl::make_unexpected(disparity.error());
+  parts.senses = std::make_unique<FastSenses>(
+      std::move(*disparity), simulation::OdometryModel(simulation::hash64(seed, 3)), parts.rig.id);
+  return {};
+}
 
 Result<Parts> make_parts(const SimulatorConfig& config, PaintShop::Place place) {
   const auto loaded = simulation::load_world(config.world);
@@ -52,12 +73,11 @@ Result<Parts> make_parts(const SimulatorConfig& config, PaintShop::Place place) 
       Playground::create(world, config.robot, config.tracks,
                          static_cast<std::size_t>(config.people), simulation::hash64(seed, 1));
   if (!playground) return fail(config.world + ": " + playground.error().message);
-  auto renderer =
-      simulation::Renderer::create(*world, rig, config.sensor, simulation::hash64(seed, 2));
-  if (!renderer) return fail(config.world + ": " + renderer.error().message);
-  auto pictures = std::make_unique<PaintShop>(
-      FramePainter(std::move(*renderer), rig.id, config.frame_budget_bytes), place);
-  return Parts{std::move(rig), std::move(*playground), std::move(pictures)};
+  Parts parts{std::move(rig), std::move(*playground), nullptr, nullptr};
+  const auto added = config.fast ? add_senses(*world, seed, parts)
+                                 : add_pictures(*world, config, seed, place, parts);
+  if (!added) return fail(config.world + ": " + added.error().message);
+  return parts;
 }
 
 }  // namespace
@@ -68,6 +88,7 @@ struct SimulatorNode::State {
   camera::RigCalibration rig;
   Playground playground;
   std::unique_ptr<PaintShop> pictures;
+  std::unique_ptr<FastSenses> senses;
   std::unique_ptr<motor::ByteLink> wheel_line;
   WheelController controller;
   std::optional<FeedbackGate> gate;
@@ -89,6 +110,7 @@ struct SimulatorNode::State {
   void read_wheel_line();
   void report_wheels();
   void publish_painted();
+  void publish_sensed(const Capture& capture);
   void publish_calibration();
   void publish_clock();
   void publish_truth();
@@ -102,6 +124,7 @@ SimulatorNode::State::State(const Config& settings, bus::Node& host, Parts parts
       rig{std::move(parts.rig)},
       playground{std::move(parts.playground)},
       pictures{std::move(parts.pictures)},
+      senses{std::move(parts.senses)},
       wheel_line{std::move(line)},
       controller{static_cast<std::uint32_t>(host.host_time() | 1)},
       time{speed, kStart_us, host.host_time()} {
@@ -116,7 +139,7 @@ SimulatorNode::State::State(const Config& settings, bus::Node& host, Parts parts
 }
 
 void SimulatorNode::State::listen_to_feedback() {
-  gate.emplace(true);
+  gate.emplace(!config.fast);
   node.on<channels::Disparity>(
       [this](const disparity_t& m) { gate->hear_disparity(m.header.utime); });
   node.on<channels::Pose>([this](const pose_t& m) { gate->hear_pose(m.header.utime); });
@@ -151,20 +174,30 @@ Utime SimulatorNode::State::frame_due() const {
 
 bool SimulatorNode::State::take_frame() {
   if (must_wait()) return false;
-  const bool keeps_up = pictures->has_room();
+  const bool keeps_up = !pictures || pictures->has_room();
   if (!keeps_up && gate) return false;
   if (gate) gate->frame_taken(now);
   publish_clock();
   if (config.publish_truth) publish_truth();
   const auto people = playground.people();
-  const std::int64_t index = next_frame++;
-  if (!keeps_up) {
+  const Capture capture{
+      now, next_frame++, playground.body().T_world_body(), {people.begin(), people.end()}};
+  if (senses) {
+    publish_sensed(capture);
+  } else if (keeps_up) {
+    pictures->order(capture);
+    publish_painted();
+  } else {
     ++node.counter("frames_not_painted");
-    return true;
   }
-  pictures->order({now, index, playground.body().T_world_body(), {people.begin(), people.end()}});
-  publish_painted();
   return true;
+}
+
+void SimulatorNode::State::publish_sensed(const Capture& capture) {
+  node.publish<channels::Odometry>(senses->odometry(capture), capture.utime);
+  auto disparity = senses->disparity(capture);
+  if (!disparity) return node.refuse(channels::Disparity::name, disparity.error().message);
+  node.publish<channels::Disparity>(std::move(*disparity), capture.utime);
 }
 
 bool SimulatorNode::State::must_wait() {
@@ -205,6 +238,7 @@ void SimulatorNode::State::report_wheels() {
 }
 
 void SimulatorNode::State::publish_painted() {
+  if (!pictures) return;
   for (auto& frame : pictures->take()) {
     if (!frame) {
       node.refuse(channels::StereoFrame::name, frame.error().message);
