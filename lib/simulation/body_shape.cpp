@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "simulation/person_look.hpp"
 
 namespace cairn::simulation {
 
@@ -18,25 +21,15 @@ Contact BodyShape::with_box(const Isometry& T_world_body, const Box& box) const 
   return box_contact(T_world_middle, half_m_, box.T_world_box, box.half_size_m);
 }
 
-Contact BodyShape::with_person(const Isometry& T_world_body, const Eigen::Vector2d& at_m,
-                               double radius_m) const {
-  const Eigen::Vector2d ahead = T_world_body.linear().col(0).head<2>().normalized();
-  const Eigen::Vector2d left(-ahead.y(), ahead.x());
-  const Eigen::Vector2d half_m = half_m_.head<2>();
-  const Eigen::Vector2d to_person =
-      at_m - (T_world_body * Eigen::Vector3d(0, 0, middle_height_m_)).head<2>();
-  const Eigen::Vector2d there(ahead.dot(to_person), left.dot(to_person));
-  const Eigen::Vector2d nearest = there.cwiseMax(-half_m).cwiseMin(half_m);
-  const Eigen::Vector2d between = there - nearest;
-  const double distance_m = between.norm();
-  if (distance_m > 0) {
-    const Eigen::Vector2d away = -between / distance_m;
-    return {distance_m - radius_m, away.x() * ahead + away.y() * left};
+Contact BodyShape::with_person(const Isometry& T_world_body, const Person& person,
+                               const PersonPose& pose) const {
+  Contact nearest;
+  nearest.gap_m = std::numeric_limits<double>::infinity();
+  for (const Box& part : person_boxes(person, pose)) {
+    const Contact contact = with_box(T_world_body, part);
+    if (contact.gap_m < nearest.gap_m) nearest = contact;
   }
-  const Eigen::Vector2d inside_m = half_m - there.cwiseAbs();
-  if (inside_m.x() < inside_m.y())
-    return {-inside_m.x() - radius_m, std::copysign(1.0, -there.x()) * ahead};
-  return {-inside_m.y() - radius_m, std::copysign(1.0, -there.y()) * left};
+  return nearest;
 }
 
 }  // namespace cairn::simulation

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
-
 #include "core/geometry.hpp"
 #include "core/robot.hpp"
 #include "simulation/contact.hpp"
@@ -25,9 +23,10 @@ class BodyShape {
   [[nodiscard]] double reach_m() const { return reach_m_; }
 
   [[nodiscard]] Contact with_box(const Isometry& T_world_body, const Box& box) const;
-  /// With the upright cylinder that holds somebody.
-  [[nodiscard]] Contact with_person(const Isometry& T_world_body, const Eigen::Vector2d& at_m,
-                                    double radius_m) const;
+  /// With what can be seen of somebody: at the body's height their legs, not the circle that holds
+  /// them.
+  [[nodiscard]] Contact with_person(const Isometry& T_world_body, const Person& person,
+                                    const PersonPose& pose) const;
 
  private:
   TrackPlan tracks_;

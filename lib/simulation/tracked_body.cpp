@@ -68,8 +68,10 @@ void TrackedBody::for_each_near(const Isometry& T_world_body, std::span<const Pe
   }
   for (const PersonPose& person : people) {
     if (person.person >= world_->people.size()) continue;
-    look(world_->boxes.size() + person.person,
-         shape_.with_person(T_world_body, person.at_m, world_->people[person.person].radius_m));
+    const Person& who = world_->people[person.person];
+    const Eigen::Vector2d between_m = T_world_body.translation().head<2>() - person.at_m;
+    if (between_m.norm() > shape_.reach_m() + who.radius_m) continue;
+    look(world_->boxes.size() + person.person, shape_.with_person(T_world_body, who, person));
   }
 }
 

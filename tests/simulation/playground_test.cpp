@@ -7,6 +7,7 @@
 #include <string>
 
 #include "scenes.hpp"
+#include "simulation/person_look.hpp"
 
 namespace cairn::simulation {
 namespace {
@@ -67,9 +68,14 @@ std::string what_it_is_in(const World& world, const Playground& ground) {
   }
   for (const PersonPose& pose : ground.people()) {
     const Person& person = world.people[pose.person];
-    for_each_point(T_world_middle, half_m, [&](const Eigen::Vector3d& point) {
-      if ((point.head<2>() - pose.at_m).norm() < person.radius_m - kRounding_m) in = person.name;
-    });
+    for (const Box& part : person_boxes(person, pose)) {
+      for_each_point(T_world_middle, half_m, [&](const Eigen::Vector3d& point) {
+        if (deep_in(part.T_world_box, part.half_size_m, point)) in = person.name;
+      });
+      for_each_point(part.T_world_box, part.half_size_m, [&](const Eigen::Vector3d& point) {
+        if (deep_in(T_world_middle, half_m, point)) in = person.name;
+      });
+    }
   }
   return in;
 }

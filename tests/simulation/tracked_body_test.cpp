@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "scenes.hpp"
+#include "simulation/person_look.hpp"
 
 namespace cairn::simulation {
 namespace {
@@ -217,15 +218,27 @@ TEST(TrackedBody, FallsOverAnEdgeAndMovesNoMore) {
   EXPECT_EQ(body.collisions(), 1);
 }
 
-TEST(TrackedBody, IsStoppedBySomebodyWhoStands) {
+TEST(TrackedBody, IsStoppedBySomebodysLegsAndPassesBesideThem) {
   World world = world_of({wide_floor()});
   world.people.push_back({"somebody", 1, 0.25, 1.7, {{0, 0}, {1, 0}}});
-  TrackedBody body = body_in(std::move(world));
-  const std::vector<PersonPose> people{{0, {1, 0}, 0, 0}};
-  drive(body, 0.5, 0.5, 5, people);
-  EXPECT_NEAR(body.T_world_body().translation().x(), 0.75 - 0.5 * kRobot.length_m, 1e-4);
+  const Person person = world.people[0];
+  // Both legs stand upright, as far forward as each other.
+  const Box leg = person_boxes(person, {0, {1, 0}, 0, 0})[0];
+  TrackedBody body = body_in(world);
+  const std::vector<PersonPose> before{{0, {1, 0}, 0, 0}};
+  drive(body, 0.5, 0.5, 5, before);
+  EXPECT_NEAR(body.T_world_body().translation().x(),
+              1 - leg.half_size_m.x() - 0.5 * kRobot.length_m, 1e-4);
   EXPECT_EQ(body.collisions(), 1);
   EXPECT_EQ(body.contacts(), 1);
+
+  const double legs_m = leg.T_world_box.translation().y() + leg.half_size_m.y();
+  ASSERT_LT(legs_m + 0.02, person.radius_m);
+  TrackedBody passing = body_in(world);
+  const std::vector<PersonPose> beside{{0, {1, 0.5 * kRobot.width_m + legs_m + 0.02}, 0, 0}};
+  drive(passing, 0.5, 0.5, 5, beside);
+  EXPECT_GT(passing.T_world_body().translation().x(), 1.5);
+  EXPECT_EQ(passing.collisions(), 0);
 }
 
 TEST(TrackedBody, StaysOutOfANotchThatIsTooNarrow) {
