@@ -27,10 +27,20 @@ class UdpBus : public Bus {
   }
 
   Result<void> subscribe(std::string_view channel) override {
-    const std::string pattern = channel == kAllChannels ? ".*" : std::string(channel);
+    // LCM hands a message to every subscription that fits; here it comes once.
+    if (has_all_) return {};
+    const bool all = channel == kAllChannels;
+    const std::string pattern = all ? ".*" : std::string(channel);
     lcm::Subscription* subscription = lcm_->subscribe(pattern, &UdpBus::keep, this);
     if (subscription == nullptr) return fail(pattern + ": LCM could not subscribe");
     subscription->setQueueCapacity(kQueueCapacity);
+    if (all) {
+      for (lcm::Subscription* single : singles_) lcm_->unsubscribe(single);
+      singles_.clear();
+    } else {
+      singles_.push_back(subscription);
+    }
+    has_all_ = all;
     return {};
   }
 
@@ -58,6 +68,8 @@ class UdpBus : public Bus {
   }
 
   std::unique_ptr<lcm::LCM> lcm_;
+  std::vector<lcm::Subscription*> singles_;
+  bool has_all_ = false;
   std::vector<RawMessage> inbox_;
 };
 

@@ -82,6 +82,23 @@ TEST_F(UdpBusTest, ABufferTooSmallForImagesIsSaidAndMendable) {
   EXPECT_NE(warning.find("sysctl -w net.core.rmem_max"), std::string::npos) << warning;
 }
 
+TEST_F(UdpBusTest, WhoListensToEverythingGetsEachMessageOnce) {
+  ASSERT_TRUE(testing::add_multicast_route());
+  const auto sender = open_bus(kUrl).value();
+  const auto receiver = open_bus(kUrl).value();
+  ASSERT_TRUE(receiver->subscribe("CLOCK"));
+  ASSERT_TRUE(receiver->subscribe(kAllChannels));
+  ASSERT_TRUE(receiver->subscribe("POSE"));
+  for (const char* channel : {"CLOCK", "POSE", "STOP", "END"})
+    ASSERT_TRUE(sender->publish(channel, std::vector<std::uint8_t>(20)));
+  std::vector<RawMessage> received;
+  while (received.empty() || received.back().channel != "END")
+    receiver->receive(1'000'000, received);
+  std::vector<std::string> channels;
+  for (const RawMessage& message : received) channels.push_back(message.channel);
+  EXPECT_EQ(channels, (std::vector<std::string>{"CLOCK", "POSE", "STOP", "END"}));
+}
+
 // Sends datagrams straight to the group, as anybody on the machine can.
 class Stranger {
  public:
