@@ -6,21 +6,29 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <map>
 #include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "mapping/height_colours.hpp"
 #include "mapping/height_range.hpp"
+#include "mapping/picture_legend.hpp"
 
 namespace cairn::mapping {
 namespace {
 
 const cv::Vec3b kUnknownColour{206, 202, 198};
-const cv::Vec3b kFreeColour{253, 252, 251};
-const cv::Scalar kTrueColour{60, 160, 20};
-const cv::Scalar kPerceivedColour{235, 110, 20};
-const cv::Scalar kInk{60, 50, 45};
+const cv::Vec3b kFreeColour{255, 255, 255};
+const cv::Vec3b kGroundColour{222, 234, 240};
+const cv::Scalar kTrueColour{70, 190, 40};
+const cv::Scalar kPerceivedColour{235, 90, 20};
+constexpr int kTrueWidth_px = 7;
+constexpr int kPerceivedWidth_px = 2;
+constexpr double kTrueArrow_px = 34;
+constexpr double kPerceivedArrow_px = 20;
+/// What rises no higher than this above the lowest surfaces counts as ground.
+constexpr double kGroundRise_m = 0.06;
 
 /// Layers [min, max] of the height band.
 struct Band {
@@ -198,20 +206,30 @@ double exposure(const Columns& columns, int voxels_per_cell) {
   return std::max<double>(*high / 3, 4 * voxels_per_cell);
 }
 
-cv::Mat_<cv::Vec3b> paint(const Columns& columns, HeightRange heights, int voxels_per_cell) {
-  constexpr double kFaintest = 0.15;
-  const double full = exposure(columns, voxels_per_cell);
+cv::Vec3b mixed(cv::Vec3b from, cv::Vec3b to, double share) {
+  cv::Vec3b colour;
+  for (int i = 0; i < 3; ++i)
+    colour[i] = cv::saturate_cast<std::uint8_t>(from[i] * (1 - share) + to[i] * share);
+  return colour;
+}
+
+cv::Mat_<cv::Vec3b> paint(const Columns& columns, HeightRange heights, const Layout& layout) {
+  constexpr double kFaintest = 0.35;
+  const double full = exposure(columns, layout.voxels_per_cell);
+  const auto ground_z =
+      heights.min_z + static_cast<std::int32_t>(std::lround(kGroundRise_m / layout.resolution_m));
   cv::Mat_<cv::Vec3b> picture(columns.free.size());
   for (int row = 0; row < picture.rows; ++row) {
     for (int col = 0; col < picture.cols; ++col) {
-      const cv::Vec3b ground = columns.free(row, col) != 0 ? kFreeColour : kUnknownColour;
       const float count = columns.occupied(row, col);
-      const double strength =
-          count > 0 ? kFaintest + (1 - kFaintest) * (1 - std::exp(-count / full)) : 0;
-      const cv::Vec3b top = height_colour(heights.share(columns.top_z(row, col)));
-      for (int i = 0; i < 3; ++i) {
-        picture(row, col)[i] =
-            cv::saturate_cast<std::uint8_t>(ground[i] * (1 - strength) + top[i] * strength);
+      if (count == 0) {
+        picture(row, col) = columns.free(row, col) != 0 ? kFreeColour : kUnknownColour;
+      } else if (heights.max_z > ground_z && columns.top_z(row, col) <= ground_z) {
+        picture(row, col) = kGroundColour;
+      } else {
+        const double strength = kFaintest + (1 - kFaintest) * (1 - std::exp(-count / full));
+        picture(row, col) =
+            mixed(kGroundColour, height_colour(heights.share(columns.top_z(row, col))), strength);
       }
     }
   }
@@ -239,50 +257,66 @@ void draw_path(cv::Mat& picture, const Layout& layout, const std::vector<Eigen::
              cv::LINE_AA, kSubpixelBits);
 }
 
-void draw_arrow(cv::Mat& picture, const Layout& layout, const Isometry& T_map_body) {
-  if (!T_map_body.matrix().allFinite()) return;
-  constexpr double kLength_px = 22;
-  const cv::Point2d at = layout.pixel(T_map_body.translation());
-  const double yaw = yaw_rad(T_map_body);
+/// Its middle is at `at`; it points along `yaw_rad`, counterclockwise from the right.
+void draw_arrow(cv::Mat& picture, const cv::Point2d& at, double yaw_rad, double length_px,
+                const cv::Scalar& colour) {
   const auto corner = [&](double along, double left) {
-    return subpixel({at.x + kLength_px * (along * std::cos(yaw) - left * std::sin(yaw)),
-                     at.y - kLength_px * (along * std::sin(yaw) + left * std::cos(yaw))});
+    return subpixel({at.x + length_px * (along * std::cos(yaw_rad) - left * std::sin(yaw_rad)),
+                     at.y - length_px * (along * std::sin(yaw_rad) + left * std::cos(yaw_rad))});
   };
   const std::vector<cv::Point> outline{corner(0.7, 0), corner(-0.5, 0.45), corner(-0.25, 0),
                                        corner(-0.5, -0.45)};
-  cv::fillPoly(picture, outline, kPerceivedColour, cv::LINE_AA, kSubpixelBits);
+  cv::fillPoly(picture, outline, colour, cv::LINE_AA, kSubpixelBits);
   cv::polylines(picture, outline, true, cv::Scalar{255, 255, 255}, 1, cv::LINE_AA, kSubpixelBits);
 }
 
-/// The longest of 1, 2, 5 times a power of ten that is no longer than this.
-double round_length_m(double longest_m) {
-  const double power = std::pow(10, std::floor(std::log10(longest_m)));
-  for (const double factor : {5.0, 2.0}) {
-    if (factor * power <= longest_m) return factor * power;
-  }
-  return power;
+void draw_body(cv::Mat& picture, const Layout& layout, const std::optional<Isometry>& T_map_body,
+               double length_px, const cv::Scalar& colour) {
+  if (!T_map_body || !T_map_body->matrix().allFinite()) return;
+  draw_arrow(picture, layout.pixel(T_map_body->translation()), yaw_rad(*T_map_body), length_px,
+             colour);
 }
 
-std::string length_text(double length_m) {
-  if (length_m >= 1) return std::to_string(std::lround(length_m)) + " m";
-  if (length_m >= 0.01) return std::to_string(std::lround(length_m * 100)) + " cm";
-  return std::to_string(std::lround(length_m * 1000)) + " mm";
+LegendItem path_item(const cv::Scalar& colour, int width_px, double arrow_px, const char* text) {
+  cv::Mat sign(24, 46, CV_8UC3, cv::Scalar{255, 255, 255});
+  cv::line(sign, {2, 12}, {26, 12}, colour, width_px, cv::LINE_AA);
+  draw_arrow(sign, {30, 12}, 0, std::min(arrow_px, 22.0), colour);
+  return {sign, text};
 }
 
-/// In a strip of its own below the map, so that it covers nothing.
-cv::Mat with_scale_bar(const cv::Mat& picture, const Layout& layout) {
-  constexpr int kStrip_px = 40;
-  constexpr int kInset_px = 14;
-  cv::Mat framed;
-  cv::copyMakeBorder(picture, framed, 0, kStrip_px, 0, 0, cv::BORDER_CONSTANT,
-                     cv::Scalar{255, 255, 255});
-  const double length_m = round_length_m(0.25 * picture.cols / layout.pixels_per_m());
-  const int length_px = static_cast<int>(std::lround(length_m * layout.pixels_per_m()));
-  const int y = picture.rows + kStrip_px / 2;
-  cv::rectangle(framed, {kInset_px, y - 3}, {kInset_px + length_px, y + 2}, kInk, cv::FILLED);
-  cv::putText(framed, length_text(length_m), {kInset_px + length_px + 10, y + 6},
-              cv::FONT_HERSHEY_SIMPLEX, 0.55, kInk, 1, cv::LINE_AA);
-  return framed;
+LegendItem swatch(const cv::Vec3b& colour, const char* text) {
+  cv::Mat sign(14, 14, CV_8UC3, cv::Scalar(colour));
+  cv::rectangle(sign, {0, 0}, {13, 13}, cv::Scalar{170, 165, 160});
+  return {sign, text};
+}
+
+LegendItem height_item(HeightRange heights, double resolution_m) {
+  cv::Mat_<cv::Vec3b> sign(12, 90);
+  for (int col = 0; col < sign.cols; ++col)
+    sign.col(col).setTo(height_colour(static_cast<double>(col) / (sign.cols - 1)));
+  // Never "-0.0".
+  const auto rounded_m = [&](std::int32_t z) {
+    return std::round(10 * z * resolution_m) / 10 + 0.0;
+  };
+  char text[48];
+  std::snprintf(text, sizeof(text), "height %.1f to %.1f m", rounded_m(heights.min_z),
+                rounded_m(heights.max_z + 1));
+  return {sign, text};
+}
+
+std::vector<LegendItem> legend_of(const TopDownOverlay& overlay, HeightRange heights,
+                                  double resolution_m) {
+  std::vector<LegendItem> items;
+  if (overlay.T_map_true_body || !overlay.true_path.empty())
+    items.push_back(path_item(kTrueColour, kTrueWidth_px, kTrueArrow_px, "true"));
+  if (overlay.T_map_body || !overlay.perceived_path.empty())
+    items.push_back(
+        path_item(kPerceivedColour, kPerceivedWidth_px, kPerceivedArrow_px, "perceived"));
+  items.push_back(height_item(heights, resolution_m));
+  items.push_back(swatch(kGroundColour, "ground"));
+  items.push_back(swatch(kFreeColour, "free"));
+  items.push_back(swatch(kUnknownColour, "unknown"));
+  return items;
 }
 
 }  // namespace
@@ -293,13 +327,16 @@ cv::Mat render_top_down(const VoxelMap& map, const TopDownOverlay& overlay,
   const int size_px = std::clamp(config.size_px, 100, 8000);
   const Layout layout = layout_of(map, extent_of(map, band, overlay), size_px);
   const Columns columns = columns_of(map, band, layout);
-  const cv::Mat cells = paint(columns, occupied_heights(map), layout.voxels_per_cell);
+  const HeightRange heights = occupied_heights(map);
+  const cv::Mat cells = paint(columns, heights, layout);
   cv::Mat picture;
   cv::resize(cells, picture, {}, layout.pixels_per_cell, layout.pixels_per_cell, cv::INTER_NEAREST);
-  draw_path(picture, layout, overlay.true_path, kTrueColour, 4);
-  draw_path(picture, layout, overlay.perceived_path, kPerceivedColour, 2);
-  if (overlay.T_map_body) draw_arrow(picture, layout, *overlay.T_map_body);
-  return with_scale_bar(picture, layout);
+  draw_path(picture, layout, overlay.true_path, kTrueColour, kTrueWidth_px);
+  draw_body(picture, layout, overlay.T_map_true_body, kTrueArrow_px, kTrueColour);
+  draw_path(picture, layout, overlay.perceived_path, kPerceivedColour, kPerceivedWidth_px);
+  draw_body(picture, layout, overlay.T_map_body, kPerceivedArrow_px, kPerceivedColour);
+  return with_legend(picture, layout.pixels_per_m(),
+                     legend_of(overlay, heights, layout.resolution_m));
 }
 
 }  // namespace cairn::mapping

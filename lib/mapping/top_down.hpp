@@ -15,7 +15,8 @@ namespace cairn::mapping {
 struct TopDownOverlay {
   std::vector<Eigen::Vector3d> true_path;       ///< positions in the map frame [m]; green
   std::vector<Eigen::Vector3d> perceived_path;  ///< blue
-  std::optional<Isometry> T_map_body;           ///< the last pose; an arrow along its x axis
+  std::optional<Isometry> T_map_true_body;      ///< where it truly is: a green arrow along x
+  std::optional<Isometry> T_map_body;           ///< where it takes itself to be: a blue one
 };
 
 struct TopDownConfig {
@@ -24,10 +25,11 @@ struct TopDownConfig {
   int size_px = 1000;  ///< about the longer side; from 100 to 8000
 };
 
-/// The map seen from above (BGR): x to the right, y up. Occupied columns are the darker the more of
-/// them is occupied, coloured by the height of their top; free is near white, unknown grey. Cut to
-/// what is occupied and driven, but for the outermost stray voxels. With a scale bar. A map with
-/// nothing known gives a grey picture.
+/// The map seen from above (BGR), x to the right, y up, in the manner of the paper's figure 7: a
+/// pixel is filled where a block is, over all heights. Colour is the height of the topmost block,
+/// strength how many there are; ground and what is as flat is pale, free is white, unknown grey. Cut
+/// to what is occupied and driven, but for the outermost stray voxels. Below it a scale bar and what
+/// the colours stand for. A map with nothing known gives a grey picture.
 [[nodiscard]] cv::Mat render_top_down(const VoxelMap& map, const TopDownOverlay& overlay = {},
                                       const TopDownConfig& config = {});
 

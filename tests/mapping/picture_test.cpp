@@ -87,6 +87,21 @@ TEST(TopDown, OccupiedIsColouredWhereItIsAndFreeIsLight) {
   EXPECT_GT(floor[0] + floor[1] + floor[2], 740);
 }
 
+TEST(TopDown, FlatGroundIsPaleUnderWhatStandsOnIt) {
+  VoxelMap map = room_with_block({-40, -40, 0}, {40, 40, 1});
+  const cv::Mat flat = render_top_down(map);
+  VoxelMask all;
+  all.words.fill(~std::uint64_t{0});
+  map.add_evidence(brick_of({0, 0, 0}), all, {}, 255, 1);
+  const cv::Mat picture = render_top_down(map);
+  const cv::Vec3b ground = picture.at<cv::Vec3b>(picture.cols / 8, picture.cols / 8);
+  EXPECT_GT(ground[0] + ground[1] + ground[2], 650);
+  const cv::Vec3b block = picture.at<cv::Vec3b>(picture.cols / 2 - 10, picture.cols / 2 + 10);
+  EXPECT_GT(block[2] - block[0], 100);
+  EXPECT_LT(flat.at<cv::Vec3b>(flat.cols / 8, flat.cols / 8)[0], 200)
+      << "where all there is is flat, it is no ground but what was mapped";
+}
+
 TEST(TopDown, UnknownIsGrey) {
   VoxelMap map{0.1};
   VoxelMask one;
@@ -113,14 +128,19 @@ TEST(TopDown, PathsAndPoseAreDrawnInTheirColours) {
   overlay.perceived_path.clear();
   overlay.T_map_body = Isometry::Identity();
   EXPECT_GT(pixels_of(render_top_down(map, overlay), is_blueish), 80u);
+  overlay.T_map_true_body = Isometry::Identity();
+  EXPECT_GT(pixels_of(render_top_down(map, overlay), is_blueish), 80u);
+  EXPECT_GT(pixels_of(render_top_down(map, overlay), is_greenish), 80u)
+      << "the true one is larger, so that both show where they are one";
 }
 
 TEST(TopDown, TheHeightBandLeavesOutWhatIsAbove) {
   const VoxelMap map = room_with_block({10, 10, 20}, {20, 20, 25});
   TopDownConfig below;
   below.max_height_m = 1;
-  EXPECT_GT(pixels_of(render_top_down(map), is_reddish), 5000u);
-  EXPECT_EQ(pixels_of(render_top_down(map, {}, below), is_reddish), 0u);
+  const std::size_t of_legend = pixels_of(render_top_down(VoxelMap{0.1}), is_reddish);
+  EXPECT_GT(pixels_of(render_top_down(map), is_reddish), of_legend + 5000u);
+  EXPECT_EQ(pixels_of(render_top_down(map, {}, below), is_reddish), of_legend);
 }
 
 TEST(TopDown, OverlaysThatAreNotFiniteOrFarOffDoNoHarm) {
