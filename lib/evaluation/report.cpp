@@ -71,7 +71,8 @@ nlohmann::ordered_json to_json(const Report& report) {
           {"skipped", or_null(report.skipped)},
           {"restarts", or_null(report.restarts)},
           {"collisions", or_null(report.collisions)},
-          {"realtime_factor", or_null(report.realtime_factor)}};
+          {"realtime_factor", or_null(report.realtime_factor)},
+          {"cpu_cores", or_null(report.cpu_cores)}};
 }
 
 Result<void> write_report(const std::filesystem::path& file, const Report& report) {

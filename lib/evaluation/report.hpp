@@ -67,6 +67,7 @@ struct Report {
   std::optional<std::map<std::string, std::uint64_t>> restarts;  ///< per process
   std::optional<std::uint64_t> collisions;  ///< contacts while moving at over 0.05 m/s
   std::optional<double> realtime_factor;    ///< data time / host time
+  std::optional<std::map<std::string, double>> cpu_cores;  ///< per process: mean share of a core
 };
 
 /// Every key, always, in one order.

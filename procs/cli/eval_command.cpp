@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -10,8 +11,10 @@
 #include "bus/channels.hpp"
 #include "bus/codec.hpp"
 #include "bus/recording.hpp"
+#include "evaluation/map_agreement.hpp"
 #include "evaluation/stereo_score.hpp"
 #include "evaluation/trajectory_score.hpp"
+#include "mapping/map_file.hpp"
 #include "messages/geometry_messages.hpp"
 #include "procs/cli/command.hpp"
 #include "procs/cli/truth.hpp"
@@ -24,6 +27,8 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string estimate;
   std::string truth;
+  double tolerance_m = 0.05;
+  bool as_they_lie = false;
   std::string mask;
   std::string truth_frame;
   double rate_hz = 10;
@@ -183,6 +188,58 @@ int eval_stereo(const Options& options) {
   return 0;
 }
 
+std::vector<Eigen::Vector3d> surface_of(const mapping::VoxelMap& map, const Isometry& T) {
+  std::vector<Eigen::Vector3d> points_m;
+  map.grid().for_each([&](mapping::BrickIndex brick, const mapping::EvidenceBrick& evidence) {
+    mapping::for_each_voxel(evidence.occupied, [&](int voxel) {
+      points_m.push_back(T * map.centre_of(mapping::voxel_in(brick, voxel)));
+    });
+  });
+  return points_m;
+}
+
+// T_reference_map by the trajectories that lie beside the two maps; nothing where there are none.
+std::optional<Isometry> alignment_by_trajectories(const Options& options) {
+  const auto beside = [](const std::string& map) {
+    const auto file = std::filesystem::path(map).parent_path() / "trajectory.tum";
+    return std::filesystem::exists(file)
+               ? evaluation::read_tum(file)
+               : Result<evaluation::Trajectory>(fail(file.string() + ": no such file"));
+  };
+  const auto estimate = beside(options.estimate);
+  const auto reference = beside(options.truth);
+  if (!estimate || !reference) return std::nullopt;
+  const auto pairs = evaluation::associate(*estimate, *reference);
+  if (pairs.empty()) return std::nullopt;
+  return evaluation::align(pairs, evaluation::Alignment::kLeastSquares);
+}
+
+int eval_map(const Options& options) {
+  const auto map = mapping::load_map(options.estimate, {});
+  if (!map) return failed(map.error().message);
+  const auto reference = mapping::load_map(options.truth, {});
+  if (!reference) return failed(reference.error().message);
+  std::optional<Isometry> T_reference_map;
+  if (!options.as_they_lie) T_reference_map = alignment_by_trajectories(options);
+  const auto agreement = evaluation::map_agreement(
+      surface_of(map->map, T_reference_map.value_or(Isometry::Identity())),
+      surface_of(reference->map, Isometry::Identity()), options.tolerance_m);
+  const Json json{{"occupied_voxels", agreement.points},
+                  {"reference_voxels", agreement.reference_points},
+                  {"tolerance_m", agreement.tolerance_m},
+                  {"aligned_by", T_reference_map ? "trajectories" : "nothing"},
+                  {"precision", or_null(agreement.precision)},
+                  {"recall", or_null(agreement.recall)},
+                  {"f_score", or_null(agreement.f_score)}};
+  if (options.json) {
+    std::cout << json.dump(2) << "\n";
+    return 0;
+  }
+  for (const auto& [name, value] : json.items())
+    std::printf("%-16s %s\n", name.c_str(), value.dump().c_str());
+  return 0;
+}
+
 }  // namespace
 
 void add_eval(CLI::App& app, Run& run) {
@@ -217,6 +274,19 @@ void add_eval(CLI::App& app, Run& run) {
   stereo->add_flag("--json", options->json, "print JSON instead of words");
   stereo->footer("Example:\n  cairn eval stereo disparity.png truth.png");
   stereo->callback([&run, options] { run = [options] { return eval_stereo(*options); }; });
+
+  CLI::App* map = command->add_subcommand("map", "how far two maps of one place agree");
+  map->add_option("map", options->estimate, "map file")->required();
+  map->add_option("reference", options->truth, "map file to compare it with")->required();
+  map->add_option("--tolerance", options->tolerance_m, "how far apart is near [m]")
+      ->check(CLI::Range(0.001, 1.0))
+      ->capture_default_str();
+  map->add_flag("--as-they-lie", options->as_they_lie,
+                "compare them in their own frames, where else the trajectory.tum beside each lays "
+                "one over the other");
+  map->add_flag("--json", options->json, "print JSON instead of words");
+  map->footer("Example:\n  cairn eval map out/replay/map.cairn out/demo/map.cairn");
+  map->callback([&run, options] { run = [options] { return eval_map(*options); }; });
 }
 
 }  // namespace cairn::cli

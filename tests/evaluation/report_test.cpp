@@ -36,7 +36,7 @@ TEST(Report, WhatWasNotMeasuredIsNull) {
             R"("iou":null,"false_free_rate":null,"bytes":null},)"
             R"("latency_ms":{"frame_to_pose":null,"frame_to_correction":null,"frame_to_map":null},)"
             R"("dropped":null,"skipped":null,"restarts":null,"collisions":null,)"
-            R"("realtime_factor":null})");
+            R"("realtime_factor":null,"cpu_cores":null})");
 }
 
 TEST(Report, WhatWasMeasuredStandsUnderItsKey) {
