@@ -10,9 +10,10 @@
 namespace cairn::odometry {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x31564f43;  // "COV1"
+constexpr std::uint32_t kMagic = 0x32564f43;  // "COV2"
 constexpr std::size_t kNumbers = 7 + 6;       // translation, quaternion, twist
-constexpr std::size_t kBytes = 4 + 4 + 8 + 8 * kNumbers + 8;
+constexpr std::size_t kReading = 1 + 8 * 6;   // there or not; utime, ticks, scale, speeds
+constexpr std::size_t kBytes = 4 + 4 + 8 + 8 * kNumbers + kReading + 8;
 constexpr double kUnitTolerance = 1e-6;
 
 void put(std::vector<std::uint8_t>& bytes, std::uint64_t value, int count) {
@@ -50,6 +51,14 @@ std::vector<std::uint8_t> to_bytes(const Checkpoint& checkpoint) {
     put(bytes, std::bit_cast<std::uint64_t>(number), 8);
   }
   for (const double number : checkpoint.twist) put(bytes, std::bit_cast<std::uint64_t>(number), 8);
+  put(bytes, checkpoint.tracks ? 1 : 0, 1);
+  const TrackReading tracks = checkpoint.tracks.value_or(TrackReading{});
+  for (const std::int64_t number : {tracks.utime, tracks.left_ticks, tracks.right_ticks}) {
+    put(bytes, static_cast<std::uint64_t>(number), 8);
+  }
+  for (const double number : {tracks.ticks_per_m, tracks.left_mps, tracks.right_mps}) {
+    put(bytes, std::bit_cast<std::uint64_t>(number), 8);
+  }
   put(bytes, fnv1a_64(bytes), 8);
   return bytes;
 }
@@ -71,15 +80,26 @@ Result<Checkpoint> checkpoint_from_bytes(std::span<const std::uint8_t> bytes) {
   double q[4];
   for (double& number : q) number = reader.take_number();
   for (double& number : checkpoint.twist) number = reader.take_number();
+  const bool has_tracks = reader.take(1) != 0;
+  TrackReading tracks;
+  for (std::int64_t* number : {&tracks.utime, &tracks.left_ticks, &tracks.right_ticks}) {
+    *number = static_cast<std::int64_t>(reader.take(8));
+  }
+  for (double* number : {&tracks.ticks_per_m, &tracks.left_mps, &tracks.right_mps}) {
+    *number = reader.take_number();
+  }
+  if (has_tracks) checkpoint.tracks = tracks;
 
   const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
   if (!rotation.coeffs().allFinite() || !checkpoint.T_odom_body.translation().allFinite() ||
-      !checkpoint.twist.allFinite()) {
+      !checkpoint.twist.allFinite() || !std::isfinite(tracks.ticks_per_m) ||
+      !std::isfinite(tracks.left_mps) || !std::isfinite(tracks.right_mps)) {
     return fail("odometry checkpoint: holds a number that is not finite");
   }
   if (std::abs(rotation.norm() - 1) > kUnitTolerance) {
     return fail("odometry checkpoint: holds no rotation");
   }
+  if (!(tracks.ticks_per_m > 0)) return fail("odometry checkpoint: its tracks have no scale");
   checkpoint.T_odom_body.linear() = rotation.normalized().toRotationMatrix();
   return checkpoint;
 }

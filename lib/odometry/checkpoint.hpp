@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -9,18 +10,21 @@
 #include "core/result.hpp"
 #include "core/time.hpp"
 #include "odometry/motion.hpp"
+#include "odometry/track_kinematics.hpp"
 
 namespace cairn::odometry {
 
-/// What stereo odometry needs to go on after a restart.
+/// What odometry needs to go on after a restart.
 struct Checkpoint {
   Utime utime = 0;
   std::uint32_t epoch = 0;
   Isometry T_odom_body = Isometry::Identity();
   Twist twist = Twist::Zero();
+  /// The one that the tracks' place at `utime` rests on: ticks tell how far they went meanwhile.
+  std::optional<TrackReading> tracks;
 };
 
-/// 128 bytes, little end first, with a magic word in front and a checksum behind.
+/// 177 bytes, little end first, with a magic word in front and a checksum behind.
 [[nodiscard]] std::vector<std::uint8_t> to_bytes(const Checkpoint& checkpoint);
 
 /// An error names what is wrong: size, magic, checksum, a number that is not finite, a rotation

@@ -6,27 +6,21 @@
 #include <string>
 #include <utility>
 
-#include "odometry/corner_grid.hpp"
-#include "odometry/row_matcher.hpp"
-
 namespace cairn::odometry {
 namespace {
 
 using stereo::RectifiedCamera;
 
 constexpr int kMinSide_px = 64;
-constexpr int kMargin_px = 10;
-constexpr double kMinDisparity_px = 0.5;
-constexpr double kDisparitySigma_px = 0.2;
-constexpr double kMinCarriedSigma_px = 0.1;
-constexpr double kReach_px = 3;
-constexpr double kReachShare = 0.2;
 constexpr double kGoodInliers = 50;
 constexpr double kGoodShare = 0.7;
+constexpr double kTracksQuality = 0.2;
 constexpr double kFirstPoseSigma = 1e-6;
 constexpr std::int64_t kTimeJump_us = kMicrosecondsPerSecond;
-
-const PixelNoise kNoise{0.3, kDisparitySigma_px};
+/// Against the tracks' word.
+constexpr double kStrongShare = 0.5;
+constexpr int kStrongInliers = 2;  // times min_inliers
+constexpr std::int64_t kMoverRemembered_us = kMicrosecondsPerSecond;
 
 Result<void> check_input(const cv::Mat& left, const cv::Mat& right, const RectifiedCamera& camera) {
   if (left.type() != CV_8UC1 || right.type() != CV_8UC1 || left.empty() || right.empty()) {
@@ -52,97 +46,200 @@ Result<void> check_input(const cv::Mat& left, const cv::Mat& right, const Rectif
   return {};
 }
 
-bool same_camera(const RectifiedCamera& a, const RectifiedCamera& b) {
-  return a.f_px == b.f_px && a.cx_px == b.cx_px && a.cy_px == b.cy_px && a.doffs_px == b.doffs_px &&
-         a.baseline_m == b.baseline_m && a.width_px == b.width_px && a.height_px == b.height_px &&
-         a.T_body_camera.matrix() == b.T_body_camera.matrix();
-}
-
-cv::Point2f to_cv(const StereoPixel& pixel) {
-  return {static_cast<float>(pixel.u_px), static_cast<float>(pixel.v_px)};
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
-struct StereoOdometry::View {
-  const cv::Mat& left;
-  const cv::Mat& right;
-  const RectifiedCamera& camera;
-  Pyramid pyramid;
-};
-
-/// What a frame found of its keyframe.
-struct StereoOdometry::Measured {
+/// A frame on its way through update().
+struct StereoOdometry::Frame {
+  OdometryEstimate estimate;
+  double dt_s = 0;
+  Isometry T_odom_body_predicted = Isometry::Identity();
+  std::optional<TrackStep> step;    ///< since the anchor
+  std::optional<TrackPrior> prior;  ///< from there
   std::vector<PointPair> pairs;
-  StereoPose pose;
+  std::optional<Belief> agreed;            ///< of sight and tracks
+  Matrix6d covariance = Matrix6d::Zero();  ///< of the way from the keyframe
 };
 
 Result<OdometryEstimate> StereoOdometry::update(const cv::Mat& left, const cv::Mat& right,
-                                                const RectifiedCamera& camera, Utime utime) {
+                                                const RectifiedCamera& camera, Utime utime,
+                                                const Tracks& tracks) {
   if (auto ok = check_input(left, right, camera); !ok) return tl::make_unexpected(ok.error());
-  bool broken = resumed_;
-  if (started_ && utime <= utime_) {
-    if (utime_ - utime <= kTimeJump_us && !resumed_) {
-      return fail("odometry: utime " + std::to_string(utime) + " does not rise above " +
-                  std::to_string(utime_));
-    }
-    broken = true;
-  }
+  if (auto ok = check_time(utime); !ok) return tl::make_unexpected(ok.error());
   try {
-    const double dt_s = started_ && utime > utime_ ? to_seconds(utime - utime_) : 0;
-    if (broken) {
-      keyframe_.reset();
-      ++epoch_;
-      if (dt_s == 0) twist_.setZero();
-    }
-    if (keyframe_ && !same_camera(keyframe_->camera, camera)) keyframe_.reset();
-
+    Frame frame = begin(utime, tracks);
+    tracker_.expect(camera);
     View view{left, right, camera, make_pyramid(left)};
-    OdometryEstimate estimate;
-    estimate.utime = utime;
-    estimate.epoch = epoch_;
-    const Isometry predicted = predicted_body(dt_s);
-    const auto measured = measure(view, predicted * camera.T_body_camera, utime, estimate);
-    if (measured) {
-      coasted_s_ = 0;
-    } else if (started_) {
-      estimate.T_odom_body = predicted;
-      coast(dt_s, estimate);
-      coasted_s_ += dt_s;
-    } else {
-      estimate.step_covariance = Matrix6d::Identity() * kFirstPoseSigma * kFirstPoseSigma;
-    }
-    if (!measured || wants_keyframe(*measured)) {
-      Keyframe fresh = make_keyframe(view, estimate.T_odom_body * camera.T_body_camera,
-                                     measured ? carried_over(*measured) : std::vector<KeyPoint>{});
-      // A blurred or dark frame does not replace a keyframe that the next frame may find again.
-      const bool rich = static_cast<int>(fresh.points.size()) >= 2 * config_.min_inliers;
-      estimate.is_keyframe = measured || rich || !keyframe_;
-      if (estimate.is_keyframe) keyframe_ = std::move(fresh);
-    }
-    if (measured || estimate.is_keyframe) {
-      T_odom_vouched_ = estimate.T_odom_body;
-      vouched_utime_ = utime;
-    }
-    if (!started_) {
-      estimate.tracked = estimate.inliers = static_cast<int>(keyframe_->points.size());
-      estimate.quality = quality(estimate.tracked, estimate.inliers);
-    }
-    if (!estimate.coasting) twist_ = estimate.twist;
-    T_odom_body_ = estimate.T_odom_body;
-    utime_ = utime;
-    started_ = true;
-    resumed_ = false;
-    return estimate;
+    look(view, frame);
+    finish(tracks, frame);
+    return frame.estimate;
   } catch (const cv::Exception& exception) {
     return fail(std::string("odometry: ") + exception.what());
   }
+}
+
+Result<OdometryEstimate> StereoOdometry::update_blind(Utime utime, const Tracks& tracks) {
+  if (auto ok = check_time(utime); !ok) return tl::make_unexpected(ok.error());
+  Frame frame = begin(utime, tracks);
+  take_unseen(frame);
+  finish(tracks, frame);
+  return frame.estimate;
+}
+
+Result<void> StereoOdometry::check_time(Utime utime) const {
+  if (!started_ || resumed_ || utime > utime_ || utime_ - utime > kTimeJump_us) return {};
+  return fail("odometry: utime " + std::to_string(utime) + " does not rise above " +
+              std::to_string(utime_));
+}
+
+StereoOdometry::Frame StereoOdometry::begin(Utime utime, const Tracks& tracks) {
+  Frame frame;
+  const bool back = started_ && utime <= utime_;
+  frame.dt_s = started_ && !back ? to_seconds(utime - utime_) : 0;
+  if (resumed_ || back) {
+    tracker_.forget();
+    ++epoch_;
+  }
+  if (back) {
+    twist_.setZero();
+    anchor_.reset();
+    mover_utime_.reset();
+  }
+  frame.estimate.utime = utime;
+  frame.estimate.epoch = epoch_;
+  frame.T_odom_body_predicted = predicted_body(frame.dt_s);
+  if (!anchor_ || !tracks) return frame;
+  frame.step = track_step(anchor_->moment, anchor_->utime, *tracks, utime, track_model_);
+  if (!frame.step) return frame;
+  frame.prior.emplace(anchor_->body, *frame.step, track_model_);
+  if (tracks_trusted_) frame.T_odom_body_predicted = frame.prior->alone().T_odom_body;
+  return frame;
+}
+
+void StereoOdometry::look(View& view, Frame& frame) {
+  OdometryEstimate& estimate = frame.estimate;
+  const auto sighting = see(view, frame);
+  if (sighting) {
+    take_seen(*sighting, frame);
+  } else {
+    take_unseen(frame);
+  }
+  // A keyframe that sight was overruled by still says where the body was, once the view is free.
+  const bool keeps = estimate.dispute == Dispute::kSightOverruled &&
+                     estimate.tracked >= kStrongInliers * config_.min_inliers;
+  if (!keeps && (!sighting || tracker_.is_worn(frame.pairs, *sighting))) {
+    estimate.is_keyframe = tracker_.renew(view, estimate.T_odom_body, frame.pairs, sighting);
+    if (estimate.is_keyframe) frame.covariance.setZero();
+  }
+  if (sighting || estimate.is_keyframe) {
+    T_odom_vouched_ = estimate.T_odom_body;
+    vouched_utime_ = estimate.utime;
+  }
+  if (!started_) {
+    estimate.tracked = estimate.inliers = tracker_.points();
+    estimate.quality = quality(estimate.tracked, estimate.inliers);
+  }
+}
+
+std::optional<Sighting> StereoOdometry::see(const View& view, Frame& frame) const {
+  const Isometry T_odom_camera_expected = frame.T_odom_body_predicted * view.camera.T_body_camera;
+  frame.pairs = tracker_.follow(view, T_odom_camera_expected);
+  frame.estimate.tracked = static_cast<int>(frame.pairs.size());
+  auto sighting = tracker_.locate(frame.pairs, T_odom_camera_expected, config_.min_inliers);
+  if (sighting) {
+    frame.estimate.inliers = sighting->pose.inliers;
+    const Twist twist = twist_since_vouched(sighting->body.T_odom_body, frame.estimate.utime);
+    if (!believable(twist)) sighting.reset();
+  }
+  return frame.prior ? judge(std::move(sighting), T_odom_camera_expected, frame) : sighting;
+}
+
+std::optional<Sighting> StereoOdometry::judge(std::optional<Sighting> sighting,
+                                              const Isometry& T_odom_camera_expected,
+                                              Frame& frame) const {
+  if (!sighting) return std::nullopt;
+  frame.agreed = frame.prior->agreed_with(sighting->body);
+  if (frame.agreed) return sighting;
+  auto second = tracker_.locate_by_the_rest(frame.pairs, *sighting, T_odom_camera_expected,
+                                            config_.min_inliers / 2);
+  if (second) frame.agreed = frame.prior->agreed_with(second->body);
+  if (frame.agreed) {
+    frame.estimate.dispute = Dispute::kMoverLeftOut;
+    return second;
+  }
+  const int inliers = sighting->pose.inliers;
+  const bool mover_about =
+      mover_utime_ && frame.estimate.utime - *mover_utime_ <= kMoverRemembered_us;
+  if (!mover_about && inliers >= kStrongInliers * config_.min_inliers &&
+      inliers >= kStrongShare * static_cast<double>(frame.pairs.size())) {
+    frame.estimate.dispute = Dispute::kTracksOverruled;
+    return sighting;
+  }
+  frame.estimate.dispute = Dispute::kSightOverruled;
+  return std::nullopt;
+}
+
+void StereoOdometry::take_seen(const Sighting& sighting, Frame& frame) const {
+  OdometryEstimate& estimate = frame.estimate;
+  const Belief& body = frame.agreed ? *frame.agreed : sighting.body;
+  estimate.basis = frame.agreed ? Basis::kBoth : Basis::kSight;
+  estimate.T_odom_body = body.T_odom_body;
+  estimate.step_covariance = frame.covariance = body.covariance;
+  estimate.inliers = sighting.pose.inliers;
+  estimate.quality = quality(estimate.tracked, estimate.inliers);
+  if (frame.agreed) estimate.quality = std::max(estimate.quality, kTracksQuality);
+  estimate.twist = twist_since_vouched(body.T_odom_body, estimate.utime);
+  if (!frame.step || anchor_->seen) return;
+  // The step ends a way that nobody saw: where it began is as uncertain as that.
+  estimate.step_covariance +=
+      covariance_in(frame.step->T_from_to.inverse(), anchor_->body.covariance);
+  if (frame.agreed)
+    estimate.twist = twist_of(frame.step->T_from_to, to_seconds(estimate.utime - anchor_->utime));
+}
+
+void StereoOdometry::take_unseen(Frame& frame) const {
+  if (frame.prior) return take_by_tracks(frame);
+  if (started_) return coast(frame);
+  frame.estimate.step_covariance = Matrix6d::Identity() * kFirstPoseSigma * kFirstPoseSigma;
+}
+
+void StereoOdometry::take_by_tracks(Frame& frame) const {
+  OdometryEstimate& estimate = frame.estimate;
+  estimate.basis = Basis::kTracks;
+  estimate.quality = kTracksQuality;
+  estimate.T_odom_body = frame.prior->alone().T_odom_body;
+  estimate.twist = twist_of(frame.step->T_from_to, to_seconds(estimate.utime - anchor_->utime));
+  estimate.step_covariance = frame.step->covariance;
+  frame.covariance = frame.prior->alone().covariance;
+  // What sight has just contradicted, or what ends a guess, is no better than a guess.
+  Matrix6d doubt = Matrix6d::Zero();
+  if (!tracks_trusted_) doubt += coasting_covariance(frame.dt_s);
+  if (anchor_->utime != utime_) doubt += coasting_covariance(to_seconds(utime_ - anchor_->utime));
+  estimate.step_covariance += doubt;
+  frame.covariance += doubt;
+}
+
+void StereoOdometry::coast(Frame& frame) const {
+  OdometryEstimate& estimate = frame.estimate;
+  const double moving_s = std::clamp(config_.coast_s - coasted_s_, 0.0, frame.dt_s);
+  const double share = frame.dt_s > 0 ? moving_s / frame.dt_s : 0;
+  estimate.coasting = true;
+  estimate.T_odom_body = frame.T_odom_body_predicted;
+  estimate.twist = share * twist_;
+  estimate.step_covariance = frame.covariance = coasting_covariance(frame.dt_s);
+}
+
+void StereoOdometry::finish(const Tracks& tracks, const Frame& frame) {
+  const OdometryEstimate& estimate = frame.estimate;
+  coasted_s_ = estimate.coasting ? coasted_s_ + frame.dt_s : 0;
+  if (!estimate.coasting) twist_ = estimate.twist;
+  T_odom_body_ = estimate.T_odom_body;
+  utime_ = estimate.utime;
+  started_ = true;
+  resumed_ = false;
+  const bool seen = estimate.basis == Basis::kSight || estimate.basis == Basis::kBoth;
+  if (estimate.dispute == Dispute::kMoverLeftOut) mover_utime_ = utime_;
+  if (frame.prior && seen) tracks_trusted_ = estimate.dispute != Dispute::kTracksOverruled;
+  if (tracks) anchor_ = Anchor{utime_, *tracks, {T_odom_body_, frame.covariance}, seen};
 }
 
 Isometry StereoOdometry::predicted_body(double dt_s) const {
@@ -150,129 +247,7 @@ Isometry StereoOdometry::predicted_body(double dt_s) const {
   return T_odom_body_ * motion_of(twist_, moving_s);
 }
 
-std::optional<StereoOdometry::Measured> StereoOdometry::measure(const View& view,
-                                                                const Isometry& T_odom_camera,
-                                                                Utime utime,
-                                                                OdometryEstimate& estimate) const {
-  if (!keyframe_ || keyframe_->points.empty()) return std::nullopt;
-  const RectifiedCamera& camera = view.camera;
-  const Isometry guess = T_odom_camera.inverse() * keyframe_->T_odom_camera;
-
-  std::vector<KeyPoint> in_view;
-  std::vector<cv::Point2f> from_px;
-  std::vector<cv::Point2f> expected_px;
-  std::vector<double> expected_disparity_px;
-  for (const KeyPoint& point : keyframe_->points) {
-    const Eigen::Vector3d p = guess * to_point(point.pixel, camera);
-    if (p.z() <= 0) continue;
-    const StereoPixel expected = to_pixel(p, camera);
-    if (!cv::Rect2d(0, 0, camera.width_px, camera.height_px)
-             .contains({expected.u_px, expected.v_px})) {
-      continue;
-    }
-    in_view.push_back(point);
-    from_px.push_back(to_cv(point.pixel));
-    expected_px.push_back(to_cv(expected));
-    expected_disparity_px.push_back(expected.disparity_px);
-  }
-  const auto found = track(keyframe_->pyramid, view.pyramid, from_px, expected_px);
-
-  Measured measured;
-  const RowMatcher rows(view.left, view.right);
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (!found[i].found) continue;
-    const auto u_px = static_cast<double>(found[i].at_px.x);
-    const auto v_px = static_cast<double>(found[i].at_px.y);
-    const double about_px = expected_disparity_px[i] - camera.doffs_px;
-    const double reach_px = kReach_px + kReachShare * expected_disparity_px[i];
-    const auto match = rows.match(u_px, v_px, about_px - reach_px, about_px + reach_px);
-    if (!match) continue;
-    const double disparity_px = match->disparity_px + camera.doffs_px;
-    if (disparity_px < kMinDisparity_px) continue;
-    measured.pairs.push_back(
-        {in_view[i].pixel, in_view[i].disparity_sigma_px, {u_px, v_px, disparity_px}});
-  }
-  estimate.tracked = static_cast<int>(measured.pairs.size());
-  auto pose = solve_stereo_pose(measured.pairs, camera, kNoise, guess, config_.min_inliers,
-                                static_cast<std::uint32_t>(config_.seed));
-  if (!pose) return std::nullopt;
-  measured.pose = std::move(*pose);
-  const Isometry T_odom_body =
-      rigid(keyframe_->T_odom_camera * measured.pose.T_new_anchor.inverse() *
-            camera.T_body_camera.inverse());
-  estimate.inliers = measured.pose.inliers;
-  const Twist twist =
-      twist_of(T_odom_vouched_.inverse() * T_odom_body, to_seconds(utime - vouched_utime_));
-  if (!believable(twist)) return std::nullopt;
-  estimate.T_odom_body = T_odom_body;
-  estimate.twist = twist;
-  estimate.step_covariance = covariance_in(camera.T_body_camera, measured.pose.covariance);
-  estimate.quality = quality(estimate.tracked, estimate.inliers);
-  return measured;
-}
-
-bool StereoOdometry::believable(const Twist& twist) const {
-  return twist.allFinite() && twist.head<3>().norm() <= config_.max_speed_mps &&
-         twist.tail<3>().norm() <= config_.max_turn_radps;
-}
-
-bool StereoOdometry::wants_keyframe(const Measured& measured) const {
-  const auto points = static_cast<double>(keyframe_->points.size());
-  if (measured.pose.inliers < config_.keyframe_share * points) return true;
-  std::vector<double> flow_px;
-  for (const PointPair& pair : measured.pairs) {
-    flow_px.push_back(
-        std::hypot(pair.seen.u_px - pair.anchor.u_px, pair.seen.v_px - pair.anchor.v_px));
-  }
-  return median(std::move(flow_px)) > config_.keyframe_flow_share * keyframe_->camera.width_px;
-}
-
-std::vector<StereoOdometry::KeyPoint> StereoOdometry::carried_over(const Measured& measured) const {
-  const double seen_variance = kDisparitySigma_px * kDisparitySigma_px;
-  std::vector<KeyPoint> points;
-  for (std::size_t i = 0; i < measured.pairs.size(); ++i) {
-    if (!measured.pose.is_inlier[i]) continue;
-    const PointPair& pair = measured.pairs[i];
-    const Eigen::Vector3d p = measured.pose.T_new_anchor * to_point(pair.anchor, keyframe_->camera);
-    const double expected_px = to_pixel(p, keyframe_->camera).disparity_px;
-    const double growth = expected_px / pair.anchor.disparity_px;
-    const double expected_sigma_px = pair.anchor_sigma_px * growth * growth;
-    const double expected_variance = expected_sigma_px * expected_sigma_px;
-    const double share = seen_variance / (seen_variance + expected_variance);
-    KeyPoint point{pair.seen, std::sqrt(share * expected_variance)};
-    point.pixel.disparity_px += share * (expected_px - pair.seen.disparity_px);
-    point.disparity_sigma_px = std::max(point.disparity_sigma_px, kMinCarriedSigma_px);
-    points.push_back(point);
-  }
-  return points;
-}
-
-StereoOdometry::Keyframe StereoOdometry::make_keyframe(View& view, const Isometry& T_odom_camera,
-                                                       std::vector<KeyPoint> points) const {
-  std::vector<cv::Point2f> taken;
-  taken.reserve(points.size());
-  for (const KeyPoint& point : points) taken.push_back(to_cv(point.pixel));
-  const RowMatcher rows(view.left, view.right);
-  for (const cv::Point2f& corner : spread_corners(view.left, taken, config_.points,
-                                                  config_.min_point_distance_px, kMargin_px)) {
-    const auto u_px = static_cast<double>(corner.x);
-    const auto v_px = static_cast<double>(corner.y);
-    const auto match =
-        rows.match_both_ways(u_px, v_px, -view.camera.doffs_px, config_.max_disparity_px);
-    if (!match) continue;
-    const double disparity_px = match->disparity_px + view.camera.doffs_px;
-    if (disparity_px < kMinDisparity_px) continue;
-    points.push_back({{u_px, v_px, disparity_px}, kDisparitySigma_px});
-  }
-  return {std::move(view.pyramid), std::move(points), T_odom_camera, view.camera};
-}
-
-void StereoOdometry::coast(double dt_s, OdometryEstimate& estimate) const {
-  const double moving_s = std::clamp(config_.coast_s - coasted_s_, 0.0, dt_s);
-  const double share = dt_s > 0 ? moving_s / dt_s : 0;
-  estimate.coasting = true;
-  estimate.quality = 0;
-  estimate.twist = share * twist_;
+Matrix6d StereoOdometry::coasting_covariance(double dt_s) const {
   // The body may have gone on as it did, or stopped, or sped up.
   const double way_m = twist_.head<3>().norm() * dt_s + config_.coast_accel_mps2 * dt_s * dt_s / 2;
   const double turn_rad =
@@ -281,7 +256,16 @@ void StereoOdometry::coast(double dt_s, OdometryEstimate& estimate) const {
   variance << Eigen::Vector3d::Constant(way_m * way_m),
       Eigen::Vector3d::Constant(turn_rad * turn_rad);
   variance.array() += kFirstPoseSigma * kFirstPoseSigma;
-  estimate.step_covariance = variance.asDiagonal();
+  return variance.asDiagonal();
+}
+
+Twist StereoOdometry::twist_since_vouched(const Isometry& T_odom_body, Utime utime) const {
+  return twist_of(T_odom_vouched_.inverse() * T_odom_body, to_seconds(utime - vouched_utime_));
+}
+
+bool StereoOdometry::believable(const Twist& twist) const {
+  return twist.allFinite() && twist.head<3>().norm() <= config_.max_speed_mps &&
+         twist.tail<3>().norm() <= config_.max_turn_radps;
 }
 
 double StereoOdometry::quality(int tracked, int inliers) const {
@@ -290,10 +274,14 @@ double StereoOdometry::quality(int tracked, int inliers) const {
   return std::min(1.0, inliers / kGoodInliers) * std::min(1.0, share / kGoodShare);
 }
 
-Checkpoint StereoOdometry::checkpoint() const { return {utime_, epoch_, T_odom_body_, twist_}; }
+Checkpoint StereoOdometry::checkpoint() const {
+  Checkpoint checkpoint{utime_, epoch_, T_odom_body_, twist_, std::nullopt};
+  if (anchor_ && anchor_->utime == utime_) checkpoint.tracks = anchor_->moment.reading;
+  return checkpoint;
+}
 
-void StereoOdometry::resume(const Checkpoint& checkpoint) {
-  keyframe_.reset();
+void StereoOdometry::resume(const Checkpoint& checkpoint, const Tracks& tracks) {
+  tracker_.forget();
   started_ = true;
   resumed_ = true;
   utime_ = checkpoint.utime;
@@ -301,6 +289,9 @@ void StereoOdometry::resume(const Checkpoint& checkpoint) {
   T_odom_body_ = rigid(checkpoint.T_odom_body);
   twist_ = checkpoint.twist;
   coasted_s_ = 0;
+  tracks_trusted_ = true;
+  anchor_.reset();
+  if (tracks) anchor_ = Anchor{utime_, *tracks, {T_odom_body_, Matrix6d::Zero()}, true};
 }
 
 }  // namespace cairn::odometry

@@ -56,16 +56,16 @@ Isometry in_space(const Eigen::Isometry2d& T) {
   return in_space;
 }
 
-void TrackHistory::add(const TrackReading& reading) {
+TrackHistory::Added TrackHistory::add(const TrackReading& reading) {
   const std::int64_t chain = moments_.empty() ? 0 : moments_.back().chain;
   const Moment afresh{Eigen::Isometry2d::Identity(), {}, reading, chain + 1};
   if (moments_.empty()) {
     moments_.push_back(afresh);
-    return;
+    return Added::kAfresh;
   }
   const Moment& last = moments_.back();
   const std::int64_t since_us = reading.utime - last.reading.utime;
-  if (since_us <= 0 && since_us >= -kTimeJump_us) return;
+  if (since_us <= 0 && since_us >= -kTimeJump_us) return Added::kNot;
   const auto metres = [&](std::int64_t from, std::int64_t to) {
     return (static_cast<double>(to) - static_cast<double>(from)) / reading.ticks_per_m;
   };
@@ -78,11 +78,12 @@ void TrackHistory::add(const TrackReading& reading) {
   if (!goes_on) {
     moments_.clear();
     moments_.push_back(afresh);
-    return;
+    return Added::kAfresh;
   }
   moments_.push_back(
       {last.T_start_body * track_motion(step, gauge_m_), last.way + step, reading, chain});
   while (moments_.front().reading.utime < reading.utime - kKept_us) moments_.pop_front();
+  return Added::kOn;
 }
 
 std::optional<TrackHistory::Moment> TrackHistory::at(Utime utime) const {
@@ -110,7 +111,8 @@ std::optional<TrackHistory::Moment> TrackHistory::newest() const {
 bool TrackHistory::ready_for(Utime utime, Utime now) const {
   if (moments_.empty()) return true;
   const Utime newest = moments_.back().reading.utime;
-  return newest >= utime - kLag_us || newest < std::max(utime, now) - kSilence_us;
+  return newest >= utime - kLag_us ||
+         std::max(newest, listens_from_) < std::max(utime, now) - kSilence_us;
 }
 
 }  // namespace cairn::odometry

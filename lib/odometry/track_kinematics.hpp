@@ -72,10 +72,17 @@ class TrackHistory {
       : gauge_m_{robot.track_gauge_m * config.effective_gauge_ratio},
         max_speed_mps_{robot.max_speed_mps} {}
 
+  /// What became of a reading.
+  enum class Added {
+    kOn,      ///< the chain goes on
+    kAfresh,  ///< a chain begins
+    kNot,     ///< it was not newer than the newest
+  };
+
   /// Ignores what is not newer than the newest. The chain of motion breaks, and all that was before
   /// is forgotten, where ticks jump by more than the tracks can do (the controller started anew),
   /// after a gap over kBridge_us, and where utime goes back by over a second.
-  void add(const TrackReading& reading);
+  Added add(const TrackReading& reading);
 
   /// What the tracks did up to a moment.
   struct Moment {
@@ -90,14 +97,17 @@ class TrackHistory {
   /// By the newest reading of all, where it stands.
   [[nodiscard]] std::optional<Moment> newest() const;
   /// True if all readings that count for `utime` are there, or none is to be waited for: the newest
-  /// is over kSilence_us older than `now`.
+  /// is over kSilence_us older than `now`, and whoever listens has done so for that long.
   [[nodiscard]] bool ready_for(Utime utime, Utime now) const;
+  /// Before this nobody listened: readings older than that came from somebody's memory.
+  void listens_from(Utime utime) { listens_from_ = utime; }
 
   [[nodiscard]] double gauge_m() const { return gauge_m_; }
 
  private:
   double gauge_m_;
   double max_speed_mps_;
+  Utime listens_from_ = 0;
   std::deque<Moment> moments_;
 };
 

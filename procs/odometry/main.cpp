@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// odometry: how the robot moves, by what it sees.
-// in: STEREO_FRAME, CALIBRATION   out: ODOMETRY
+// odometry: how the robot moves, by its eyes and its tracks.
+// in: STEREO_FRAME, WHEEL_STATE, CALIBRATION   out: ODOMETRY
 #include "bus/process.hpp"
 #include "procs/odometry/odometry_node.hpp"
 

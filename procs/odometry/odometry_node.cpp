@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "procs/odometry/odometry_node.hpp"
 
+#include <algorithm>
+#include <utility>
+
+#include "messages/check.hpp"
 #include "messages/geometry_messages.hpp"
 #include "odometry/checkpoint.hpp"
 
@@ -11,6 +15,10 @@ namespace channels = bus::channels;
 namespace {
 
 constexpr const char* kCheckpoint = "odometry";
+constexpr std::int64_t kPeriod_us = 20'000;
+/// More frames than come in the longest time that one may have to wait.
+constexpr std::size_t kMaxWaiting = 32;
+constexpr std::int32_t kFaultNoController = 1;
 
 odometry_t to_message(const odometry::OdometryEstimate& estimate) {
   odometry_t message{};
@@ -32,13 +40,19 @@ Result<std::unique_ptr<OdometryNode>> OdometryNode::create(const Config& config,
 }
 
 OdometryNode::OdometryNode(const Config& config, bus::Node& node)
-    : node_{node}, frames_{node.state()}, odometry_{config} {
+    : config_{config},
+      node_{node},
+      frames_{node.state()},
+      tracks_{config.robot, config.tracks},
+      odometry_{config.sight, odometry::TrackModel{config.robot, config.tracks}} {
   resume();
   node.on<channels::Calibration>([this](const rig_calibration_t& calibration) {
     if (auto put = frames_.put(calibration); !put)
       node_.refuse(channels::Calibration::name, put.error().message);
   });
-  node.on<channels::StereoFrame>([this](const stereo_frame_t& frame) { update(frame); });
+  node.on<channels::StereoFrame>([this](const stereo_frame_t& frame) { take(frame); });
+  node.on<channels::WheelState>([this](const wheel_state_t& wheels) { take(wheels); });
+  node.every_data(kPeriod_us, [this] { work_off(); });
 }
 
 void OdometryNode::resume() {
@@ -49,7 +63,8 @@ void OdometryNode::resume() {
     node_.log(bus::Level::kWarning, "the checkpoint is not used: " + checkpoint.error().message);
     return;
   }
-  odometry_.resume(*checkpoint);
+  if (checkpoint->tracks) tracks_.add(*checkpoint->tracks);
+  odometry_.resume(*checkpoint, tracks_.at(checkpoint->utime));
   node_.log(bus::Level::kInfo,
             "goes on from the pose at utime " + std::to_string(checkpoint->utime));
 }
@@ -59,15 +74,68 @@ void OdometryNode::remember() {
   if (!saved) node_.log(bus::Level::kWarning, saved.error().message);
 }
 
-void OdometryNode::update(const stereo_frame_t& frame) {
+void OdometryNode::take(const wheel_state_t& wheels) {
+  if (auto good = messages::check(wheels); !good)
+    return node_.refuse(channels::WheelState::name, good.error().message);
+  if ((wheels.faults & kFaultNoController) != 0) {
+    ++node_.counter("wheels_without_controller");
+    return;
+  }
+  if (wheels.header.utime <= answered_utime_ - odometry::TrackHistory::kLag_us)
+    ++node_.counter("wheels_late");
+  const auto added =
+      tracks_.add({wheels.header.utime, wheels.left_ticks, wheels.right_ticks, wheels.ticks_per_m,
+                   wheels.left_measured_mps, wheels.right_measured_mps});
+  if (added == odometry::TrackHistory::Added::kNot) ++node_.counter("wheels_out_of_order");
+  if (added == odometry::TrackHistory::Added::kAfresh) ++node_.counter("wheels_began_anew");
+  work_off();
+}
+
+void OdometryNode::take(const stereo_frame_t& frame) {
+  if (answered_utime_ == 0 && waiting_.empty()) tracks_.listens_from(frame.header.utime);
+  waiting_.push_back(frame);
+  work_off();
+}
+
+void OdometryNode::work_off() {
+  while (!waiting_.empty()) {
+    const Utime now = std::max(node_.data_time(), waiting_.back().header.utime);
+    if (!tracks_.ready_for(waiting_.front().header.utime, now) && waiting_.size() <= kMaxWaiting)
+      return;
+    const stereo_frame_t frame = std::move(waiting_.front());
+    waiting_.pop_front();
+    update(frame);
+  }
+}
+
+Result<odometry::OdometryEstimate> OdometryNode::estimate(const stereo_frame_t& frame) {
+  const Utime utime = frame.header.utime;
+  const auto tracks = tracks_.at(utime);
+  if (!config_.visual) {
+    if (auto good = messages::check(frame); !good) return tl::make_unexpected(good.error());
+    return odometry_.update_blind(utime, tracks);
+  }
   const auto pair = frames_.rectify(frame);
-  if (!pair) return node_.refuse(channels::StereoFrame::name, pair.error().message);
-  const auto estimate =
-      odometry_.update(pair->left, pair->right, frames_.rectifier().camera(), frame.header.utime);
-  if (!estimate) return node_.refuse(channels::StereoFrame::name, estimate.error().message);
-  if (estimate->coasting) ++node_.counter("coasting");
-  node_.publish<channels::Odometry>(to_message(*estimate), frame.header.utime);
+  if (!pair) return tl::make_unexpected(pair.error());
+  return odometry_.update(pair->left, pair->right, frames_.rectifier().camera(), utime, tracks);
+}
+
+void OdometryNode::update(const stereo_frame_t& frame) {
+  const auto estimated = estimate(frame);
+  if (!estimated) return node_.refuse(channels::StereoFrame::name, estimated.error().message);
+  answered_utime_ = estimated->utime;
+  count(*estimated);
+  node_.publish<channels::Odometry>(to_message(*estimated), estimated->utime);
   remember();
+}
+
+void OdometryNode::count(const odometry::OdometryEstimate& estimate) {
+  using odometry::Dispute;
+  if (estimate.coasting) ++node_.counter("coasting");
+  if (estimate.basis == odometry::Basis::kTracks) ++node_.counter("by_tracks_alone");
+  if (estimate.dispute == Dispute::kTracksOverruled) ++node_.counter("tracks_overruled");
+  if (estimate.dispute == Dispute::kSightOverruled) ++node_.counter("sight_overruled");
+  if (estimate.dispute == Dispute::kMoverLeftOut) ++node_.counter("movers_left_out");
 }
 
 }  // namespace cairn

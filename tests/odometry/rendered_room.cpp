@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "stereo/texture.hpp"
 
@@ -37,8 +38,38 @@ const cv::Mat_<float>& paper_of(int face) {
   return papers[static_cast<std::size_t>(face)];
 }
 
-/// The grey value where the ray first meets the room's wall, floor or ceiling.
-double grey_along(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction) {
+/// A paper's grey value at `x`, `y` in texels.
+double grey_on(const cv::Mat_<float>& paper, double x, double y) {
+  const int i = std::clamp(static_cast<int>(x), 0, paper.cols - 2);
+  const int j = std::clamp(static_cast<int>(y), 0, paper.rows - 2);
+  const auto grey = [&](int row, int col) { return static_cast<double>(paper(row, col)); };
+  return std::lerp(std::lerp(grey(j, i), grey(j, i + 1), x - i),
+                   std::lerp(grey(j + 1, i), grey(j + 1, i + 1), x - i), y - j);
+}
+
+/// Where a ray meets the panel's plane, in the panel's frame; nothing if that is not on the panel,
+/// or behind.
+std::optional<Eigen::Vector3d> on_panel(const Panel& panel, const Eigen::Vector3d& from_m,
+                                        const Eigen::Vector3d& direction) {
+  const Isometry T_panel_room = panel.T_room_panel.inverse();
+  const Eigen::Vector3d from = T_panel_room * from_m;
+  const Eigen::Vector3d along = T_panel_room.linear() * direction;
+  const double way = -from.x() / along.x();
+  if (!(way > 0) || !std::isfinite(way)) return std::nullopt;
+  const Eigen::Vector3d at = from + way * along;
+  if (std::abs(at.y()) > panel.width_m / 2 || std::abs(at.z()) > panel.height_m / 2)
+    return std::nullopt;
+  return at;
+}
+
+/// The grey value where the ray first meets the panel, or the room's wall, floor or ceiling.
+double grey_along(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction,
+                  const Panel* panel) {
+  if (panel != nullptr) {
+    if (const auto at = on_panel(*panel, from_m, direction))
+      return grey_on(paper_of(0), (at->y() + panel->width_m / 2) / kTexel_m,
+                     (at->z() + panel->height_m / 2) / kTexel_m);
+  }
   double nearest = std::numeric_limits<double>::infinity();
   int face = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -51,17 +82,11 @@ double grey_along(const Eigen::Vector3d& from_m, const Eigen::Vector3d& directio
     }
   }
   const Eigen::Vector3d at = (from_m + nearest * direction - kLow_m) / kTexel_m;
-  const double x = at[(face / 2 + 1) % 3];
-  const double y = at[(face / 2 + 2) % 3];
-  const cv::Mat_<float>& paper = paper_of(face);
-  const int i = std::clamp(static_cast<int>(x), 0, paper.cols - 2);
-  const int j = std::clamp(static_cast<int>(y), 0, paper.rows - 2);
-  const auto grey = [&](int row, int col) { return static_cast<double>(paper(row, col)); };
-  return std::lerp(std::lerp(grey(j, i), grey(j, i + 1), x - i),
-                   std::lerp(grey(j + 1, i), grey(j + 1, i + 1), x - i), y - j);
+  return grey_on(paper_of(face), at[(face / 2 + 1) % 3], at[(face / 2 + 2) % 3]);
 }
 
-cv::Mat render(const stereo::RectifiedCamera& camera, double cx_px, const Isometry& T_room_camera) {
+cv::Mat render(const stereo::RectifiedCamera& camera, double cx_px, const Isometry& T_room_camera,
+               const Panel* panel) {
   cv::Mat_<std::uint8_t> image(camera.height_px, camera.width_px);
   const Eigen::Vector3d from_m = T_room_camera.translation();
   for (int v = 0; v < image.rows; ++v) {
@@ -71,7 +96,7 @@ cv::Mat render(const stereo::RectifiedCamera& camera, double cx_px, const Isomet
         for (const double du : {-0.25, 0.25}) {
           const Eigen::Vector3d ray{(u + du - cx_px) / camera.f_px,
                                     (v + dv - camera.cy_px) / camera.f_px, 1};
-          sum += grey_along(from_m, T_room_camera.linear() * ray);
+          sum += grey_along(from_m, T_room_camera.linear() * ray, panel);
         }
       }
       image(v, u) = static_cast<std::uint8_t>(std::lround(sum / 4));
@@ -82,13 +107,16 @@ cv::Mat render(const stereo::RectifiedCamera& camera, double cx_px, const Isomet
 
 }  // namespace
 
-cv::Mat RenderedRoom::left(const stereo::RectifiedCamera& camera, const Isometry& T_room_body) {
-  return render(camera, camera.cx_px, T_room_body * camera.T_body_camera);
+cv::Mat RenderedRoom::left(const stereo::RectifiedCamera& camera, const Isometry& T_room_body,
+                           const Panel* panel) {
+  return render(camera, camera.cx_px, T_room_body * camera.T_body_camera, panel);
 }
 
-cv::Mat RenderedRoom::right(const stereo::RectifiedCamera& camera, const Isometry& T_room_body) {
+cv::Mat RenderedRoom::right(const stereo::RectifiedCamera& camera, const Isometry& T_room_body,
+                            const Panel* panel) {
   return render(camera, camera.cx_px + camera.doffs_px,
-                T_room_body * camera.T_body_camera * Eigen::Translation3d(camera.baseline_m, 0, 0));
+                T_room_body * camera.T_body_camera * Eigen::Translation3d(camera.baseline_m, 0, 0),
+                panel);
 }
 
 stereo::RectifiedCamera robot_camera() {
