@@ -175,7 +175,9 @@ TEST(SightAndTracks, ADarkSpellThatEndsInViewOfTheKeyframeLeavesNoErrorBehind) {
   for (std::size_t i = 0; i < 20; ++i) {
     const bool is_dark = i >= 10 && i < 13;
     estimate = look(odometry, is_dark ? dark() : drive(i), i, tracks.at(time_of(i)));
-    if (i > 0) EXPECT_EQ(estimate.basis, is_dark ? Basis::kTracks : Basis::kBoth) << i;
+    if (i > 0) {
+      EXPECT_EQ(estimate.basis, is_dark ? Basis::kTracks : Basis::kBoth) << i;
+    }
   }
   EXPECT_LT(off_m(estimate, true_pose(19)), 0.005);
 }
