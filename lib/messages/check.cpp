@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string>
 
+#include "core/time.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/image_messages.hpp"
 
@@ -12,6 +13,8 @@ namespace cairn::messages {
 namespace {
 
 constexpr double kMaxClockRate = 1000;
+/// 36,000 years; beyond it sums of times may overflow.
+constexpr Utime kMaxClockUtime_us = Utime{1} << 60;
 
 /// Goes through one message field by field and keeps the first thing that is wrong.
 class Checker {
@@ -168,9 +171,17 @@ Result<void> check(const clearance_t& message) {
 Result<void> check(const clock_t& message) {
   return Checker("CLOCK")
       .header(message.header)
+      .require(message.header.utime <= kMaxClockUtime_us, "header.utime", "is no time")
       .finite("rate", message.rate)
       .require(message.rate > 0 && message.rate <= kMaxClockRate, "rate",
                "is not above 0 and at most 1000")
+      .verdict();
+}
+
+Result<void> check(const stop_t& message) {
+  return Checker("STOP")
+      .header(message.header)
+      .one_of("action", message.action, {stop_t::ACTION_STOP, stop_t::ACTION_RELEASE})
       .verdict();
 }
 

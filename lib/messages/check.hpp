@@ -9,6 +9,7 @@
 #include <cairn/pose_t.hpp>
 #include <cairn/range_t.hpp>
 #include <cairn/stereo_frame_t.hpp>
+#include <cairn/stop_t.hpp>
 #include <cairn/wheel_state_t.hpp>
 
 #include "core/result.hpp"
@@ -27,5 +28,6 @@ namespace cairn::messages {
 [[nodiscard]] Result<void> check(const range_t& message);
 [[nodiscard]] Result<void> check(const clearance_t& message);
 [[nodiscard]] Result<void> check(const clock_t& message);
+[[nodiscard]] Result<void> check(const stop_t& message);
 
 }  // namespace cairn::messages

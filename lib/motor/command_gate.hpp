@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/result.hpp"
 #include "core/time.hpp"
 #include "motor/message_order.hpp"
+#include "motor/refusal.hpp"
 
 namespace cairn::motor {
 
@@ -36,19 +36,36 @@ struct GateLimits {
 
 enum class GateState { kIdle, kDriving, kLatched };
 
+/// What keeps the robot from doing what it is told; the last two are none of the gate's.
+enum class Hold {
+  kNone,
+  kLatched,       ///< STOP
+  kNoClock,       ///< data time stands still, or there is none
+  kNobody,        ///< no order since the start, the last STOP, or since the wheels were lost
+  kSilent,        ///< the driver's last order is too old
+  kNoGuard,       ///< no permission was sent lately
+  kNoSight,       ///< the permission rests on what was seen too long ago
+  kNotFree,       ///< the permission is for no speed at all
+  kNoController,  ///< nobody answers on the line to the wheels
+  kStalled        ///< a track did not move when it was driven; given a rest
+};
+
 struct GateOutput {
   GateState state = GateState::kIdle;
+  Hold hold = Hold::kNobody;
   double forward_mps = 0;
   double turn_radps = 0;
-  bool held_back = false;  ///< the driver wants to go forward faster than is permitted
-  const char* why = "";    ///< why it does not drive; empty: it does
+
+  /// No drive at all, at once: not one that slows down.
+  [[nodiscard]] bool stands() const { return state != GateState::kDriving; }
 };
 
 /// Decides whether the robot moves. It holds still unless it is told, freshly and with a clear
 /// view, to move. Host time is passed in and never goes back; ages run from sending.
 ///
-/// STOP beats a person, a person with a lease beats the planner. Forward motion needs permission;
-/// turning and going back need none.
+/// STOP beats a person, a person with a lease beats the planner. Forward motion needs permission.
+/// Turning on the spot and going back need none; but the planner, who has no eyes of his own for
+/// what is near, does nothing at all while no permission comes, whatever it says.
 class CommandGate {
  public:
   static constexpr std::int64_t kMaxCommandAge_us = 250'000;
@@ -60,38 +77,36 @@ class CommandGate {
   /// Starts idle or latched; what was sent before `now_us` never counts.
   CommandGate(const GateLimits& limits, bool latched, HostTime now_us);
 
-  /// The error says why the order is refused: too old, sent in the future, replayed, not finite,
-  /// over the limits, or a person's without a lease or under the lease of another.
-  [[nodiscard]] Result<void> drive(const DriveOrder& order, HostTime now_us);
+  /// Refused: what is too old, sent in the future, replayed, not finite, over the limits, or a
+  /// person's without a lease or under the lease of another.
+  [[nodiscard]] Verdict drive(const DriveOrder& order, HostTime now_us);
 
   /// The newest permission counts. One that is not a speed takes away the one before it.
-  [[nodiscard]] Result<void> permit(const ForwardPermission& permission, HostTime now_us);
+  [[nodiscard]] Verdict permit(const ForwardPermission& permission, HostTime now_us);
 
   /// Data time is `utime`, as was said at `sent_us`.
   void clock(Utime utime, HostTime sent_us, HostTime now_us);
 
-  /// Latches, whoever says it.
+  /// Latches, whoever says it and whenever it was said.
   void stop(HostTime now_us);
 
   /// Ends the latch, for a person who said so in the last 250 ms and after the last STOP. What was
   /// ordered before stays forgotten.
-  [[nodiscard]] Result<void> release(bool person, const SentStamp& stamp, HostTime now_us);
+  [[nodiscard]] Verdict release(bool person, const SentStamp& stamp, HostTime now_us);
 
   /// What was ordered up to now counts no more: the robot moves only by an order sent later.
   void forget(HostTime now_us);
 
   [[nodiscard]] bool latched() const { return latched_; }
 
-  /// What to do now; zero unless driving, always finite and within the limits.
+  /// What to do now: always finite and within the limits, zero unless driving.
   [[nodiscard]] GateOutput output(HostTime now_us, Utime data_now_us) const;
 
-  /// How fast forward is allowed now [m/s].
-  [[nodiscard]] double permitted_mps(HostTime now_us, Utime data_now_us) const;
-
  private:
-  [[nodiscard]] Result<void> check_fresh(const SentStamp& stamp, HostTime now_us) const;
-  [[nodiscard]] Result<void> check_motion(const DriveOrder& order) const;
+  [[nodiscard]] static Verdict check_fresh(const SentStamp& stamp, HostTime now_us);
+  [[nodiscard]] Verdict check_motion(const DriveOrder& order) const;
   [[nodiscard]] bool leased(HostTime now_us) const;
+  [[nodiscard]] Hold without_permission(HostTime now_us, Utime data_now_us) const;
   void limit(GateOutput& output) const;
 
   GateLimits limits_;

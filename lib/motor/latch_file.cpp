@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "motor/latch_file.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +10,7 @@
 
 #include "core/atomic_file.hpp"
 #include "core/checksum.hpp"
+#include "motor/plain_text.hpp"
 
 namespace cairn::motor {
 namespace {
@@ -19,7 +18,6 @@ namespace {
 constexpr std::string_view kStateHome = "$XDG_STATE_HOME";
 constexpr std::string_view kLatched = "cairn latch 1\nlatched by ";
 constexpr std::string_view kReleased = "cairn latch 1\nreleased by ";
-constexpr std::size_t kMaxName = 64;
 constexpr std::size_t kMaxFile_bytes = 4096;
 
 std::span<const std::uint8_t> bytes_of(std::string_view text) {
@@ -30,13 +28,6 @@ std::string seal(std::string_view text) {
   char line[40];
   std::snprintf(line, sizeof line, "checksum %016" PRIx64 "\n", fnv1a_64(bytes_of(text)));
   return line;
-}
-
-std::string one_line(const std::string& name) {
-  std::string kept = name.substr(0, kMaxName);
-  std::replace_if(
-      kept.begin(), kept.end(), [](unsigned char c) { return std::isprint(c) == 0; }, '?');
-  return kept;
 }
 
 }  // namespace
@@ -77,7 +68,7 @@ Result<void> LatchFile::save(const State& state) const {
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), problem);
   if (problem) return fail(path_.parent_path().string() + ": cannot be made: " + problem.message());
   std::string text{state.latched ? kLatched : kReleased};
-  text += one_line(state.by) + "\n";
+  text += plain_text(state.by) + "\n";
   text += seal(text);
   return write_file_atomically(path_, bytes_of(text));
 }

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
-#include "core/result.hpp"
 #include "core/time.hpp"
+#include "motor/refusal.hpp"
 
 namespace cairn::motor {
 
@@ -20,15 +21,15 @@ class MessageOrder {
  public:
   /// Good: higher in sequence than the last one of its session and not sent before it, or of a
   /// session that is new and sent after the last one of the old.
-  [[nodiscard]] Result<void> take(const SentStamp& stamp) {
+  [[nodiscard]] Verdict take(const SentStamp& stamp) {
     if (any_ && stamp.session == last_.session) {
       if (stamp.sequence <= last_.sequence)
-        return fail("header.sequence: " + std::to_string(stamp.sequence) + " after " +
-                    std::to_string(last_.sequence) + ": replayed or outrun");
+        return refuse("replayed", "header.sequence: " + std::to_string(stamp.sequence) + " after " +
+                                      std::to_string(last_.sequence));
       if (stamp.sent_us < last_.sent_us)
-        return fail("header.sent_steady_us: sent before the one before it");
+        return refuse("replayed", "header.sent_steady_us: sent before the one before it");
     } else if (any_ && stamp.sent_us <= last_.sent_us) {
-      return fail("header.session: of a sender that was replaced since");
+      return refuse("replayed", "header.session: of a sender that was replaced since");
     }
     any_ = true;
     last_ = stamp;

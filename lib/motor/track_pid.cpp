@@ -13,6 +13,7 @@ constexpr double kMaxStep_s = 0.1;
 
 void TrackPid::reset() {
   setpoint_mps_ = 0;
+  expected_mps_ = 0;
   integral_ = 0;
   stepped_ = false;
 }
@@ -27,12 +28,14 @@ void TrackPid::approach(double target_mps, double dt_s) {
       dt_s * (braking ? std::max(config_.max_braking_mps2, max_acceleration_mps2_)
                       : max_acceleration_mps2_);
   setpoint_mps_ += std::clamp(goal_mps - setpoint_mps_, -step_mps, step_mps);
+  const double share = config_.response_s > 0 ? -std::expm1(-dt_s / config_.response_s) : 1;
+  expected_mps_ += share * (setpoint_mps_ - expected_mps_);
 }
 
 double TrackPid::step(double target_mps, double measured_mps, double dt_s) {
   dt_s = std::clamp(dt_s, 0.0, kMaxStep_s);
   approach(target_mps, dt_s);
-  const double error_mps = setpoint_mps_ - measured_mps;
+  const double error_mps = expected_mps_ - measured_mps;
   const double acceleration_mps2 =
       stepped_ && dt_s > 0 ? (measured_mps - last_measured_mps_) / dt_s : 0;
   last_measured_mps_ = measured_mps;

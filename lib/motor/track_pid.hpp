@@ -7,14 +7,18 @@ namespace cairn::motor {
 
 struct TrackPidConfig {
   double full_duty_mps = 0.8;
-  double proportional = 0.6;
-  double integral = 4;
+  double response_s = 0.15;
+  double proportional = 1;
+  double integral = 6;
   double derivative = 0;
   double max_braking_mps2 = 3;
 
   void visit(ConfigVisitor& v) {
     v.number("full_duty_mps", full_duty_mps, {0.05, 20}, "m/s",
              "speed of a track at full duty: the feed-forward");
+    v.number("response_s", response_s, {0, 2}, "s",
+             "in which a track follows its duty, and its encoder tells: so much later than the "
+             "set-point is the speed expected");
     v.number("proportional", proportional, {0, 20}, "s/m", "duty per error of speed");
     v.number("integral", integral, {0, 200}, "1/m", "duty per error of speed and second");
     v.number("derivative", derivative, {0, 5}, "s^2/m", "duty per acceleration, against it");
@@ -24,9 +28,11 @@ struct TrackPidConfig {
   }
 };
 
-/// Holds one track at a speed: feed-forward plus PID on the measured speed (Astrom and Hagglund
-/// 2006), the set-point brought to the target at a limited rate, the integral held where the duty
-/// is at its limit and the error would drive it further.
+/// Holds one track at a speed: feed-forward of the set-point plus PID on how far the measured speed
+/// is off the one that a first-order track would have by now (two degrees of freedom: Astrom and
+/// Hagglund 2006, section 5.3), so that the integral learns the track and not its lag. The
+/// set-point comes to the target at a limited rate; the integral is held where the duty is at its
+/// limit and the error would drive it further.
 class TrackPid {
  public:
   TrackPid(const TrackPidConfig& config, double max_acceleration_mps2)
@@ -47,6 +53,7 @@ class TrackPid {
   TrackPidConfig config_;
   double max_acceleration_mps2_;
   double setpoint_mps_ = 0;
+  double expected_mps_ = 0;
   double integral_ = 0;
   double last_measured_mps_ = 0;
   bool stepped_ = false;

@@ -202,6 +202,7 @@ bool FrameParser::unstuff() {
 FrameParser::Kind FrameParser::read_body(std::span<const std::uint8_t> body) {
   if (body[0] != kProtocolVersion) {
     ++counts_.other_version;
+    other_version_ = body[0];
     return Kind::kNone;
   }
   const std::span<const std::uint8_t> payload = body.subspan(kHeadSize);

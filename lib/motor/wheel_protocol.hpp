@@ -79,6 +79,8 @@ class FrameParser {
   [[nodiscard]] const DriveFrame& drive() const { return drive_; }
   [[nodiscard]] const ReportFrame& report() const { return report_; }
   [[nodiscard]] const LineCounts& counts() const { return counts_; }
+  /// Of the last frame that counts as `other_version`.
+  [[nodiscard]] int other_version() const { return other_version_; }
 
  private:
   [[nodiscard]] Kind take_frame();
@@ -91,6 +93,7 @@ class FrameParser {
   DriveFrame drive_;
   ReportFrame report_;
   LineCounts counts_;
+  std::uint8_t other_version_ = 0;
 };
 
 }  // namespace cairn::motor

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cairn/clearance_t.hpp>
+#include <cairn/clock_t.hpp>
+#include <cairn/drive_command_t.hpp>
+#include <cairn/stop_t.hpp>
 #include <memory>
 #include <string>
 
 #include "bus/node.hpp"
 #include "core/config.hpp"
 #include "core/robot.hpp"
-#include "motor/byte_link.hpp"
-#include "motor/track_pid.hpp"
+#include "motor/latch_file.hpp"
+#include "motor/motor_control.hpp"
 
 namespace cairn {
 
@@ -40,7 +44,8 @@ class MotorNode {
   static constexpr const char* kAbout =
       "motor: carries out DRIVE_COMMAND within CLEARANCE and STOP, publishes WHEEL_STATE";
 
-  /// On the serial line of the config, which it opens, and opens again whenever it is lost.
+  /// On the serial line of the config, which it opens, and opens again whenever it is lost. An
+  /// error: there is no place for the latch file.
   [[nodiscard]] static Result<std::unique_ptr<MotorNode>> create(const Config& config,
                                                                  bus::Node& node);
 
@@ -50,10 +55,42 @@ class MotorNode {
                                                                  bus::Node& node,
                                                                  motor::OpenLine open);
 
-  virtual ~MotorNode() = default;
+  MotorNode(const MotorNode&) = delete;
+  MotorNode& operator=(const MotorNode&) = delete;
 
   /// Sends the wheels zero.
-  [[nodiscard]] virtual Result<void> finish() = 0;
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  MotorNode(const Config& config, bus::Node& node, motor::WheelLine line, motor::LatchFile file);
+
+  void take(const drive_command_t& message);
+  void take(const clearance_t& message);
+  void take(const cairn::clock_t& message);
+  void take(const stop_t& message);
+  void stop(const std::string& who);
+  void release(const stop_t& message);
+  void save_latch();
+  void refuse(const char* channel, const char* prefix, const motor::Refusal& refusal);
+  void tick();
+  void publish(const motor::WheelReading& reading);
+  void say_how_it_is();
+  [[nodiscard]] std::string why_it_stands() const;
+  void log_change(const std::string& why);
+  void show_counts();
+
+  Config config_;
+  bus::Node& node_;
+  motor::LatchFile latch_file_;
+  motor::LatchFile::State latch_;
+  bool latch_saved_ = true;
+  std::string latch_error_;
+  HostTime latch_tried_us_ = 0;
+  motor::MotorControl control_;
+  std::string guards_reason_;
+  std::string seen_why_;  ///< why it stood still at the last look
+  HostTime seen_since_us_ = 0;
+  std::string logged_why_;
 };
 
 }  // namespace cairn
