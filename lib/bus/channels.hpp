@@ -75,13 +75,14 @@ namespace channels {
   X(Clock, "CLOCK", clock_t, kEvery, kInput, "camera, simulator, replay -> all",                   \
     "per frame, at least 20 Hz")                                                                   \
   X(Disparity, "DISPARITY", disparity_t, kFew, kResult,                                            \
-    "stereo (camera, for a depth recording) -> mapper, localizer, guard", "10-30 Hz")              \
+    "stereo (camera, for a depth recording; simulator, fast) -> mapper, localizer, guard",         \
+    "10-30 Hz")                                                                                    \
   X(DisparityRequest, "DISPARITY_REQUEST", disparity_request_t, kFew, kCommand,                    \
     "dashboard -> stereo", "on demand")                                                            \
   X(DisparityBand, "DISPARITY_BAND", disparity_t, kEvery, kResult, "stereo -> dashboard",          \
     "on demand")                                                                                   \
-  X(Odometry, "ODOMETRY", odometry_t, kEvery, kResult, "odometry -> localizer, planner, mapper",   \
-    "per frame")                                                                                   \
+  X(Odometry, "ODOMETRY", odometry_t, kEvery, kResult,                                             \
+    "odometry (simulator, fast) -> localizer, planner, mapper", "per frame")                       \
   X(Keyframe, "KEYFRAME", keyframe_t, kEvery, kResult, "odometry -> localizer", "about 1 Hz")      \
   X(Pose, "POSE", pose_t, kEvery, kResult, "localizer -> mapper, planner", "per frame")            \
   X(Particles, "PARTICLES", particles_t, kNewest, kResult, "localizer -> dashboard", "2-5 Hz")     \

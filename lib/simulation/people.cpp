@@ -72,18 +72,19 @@ Result<People> People::create(const World& world, std::size_t count, std::uint64
   return people;
 }
 
-void People::step(double dt_s, const Eigen::Vector2d& robot_m, double robot_speed_mps) {
+void People::step(double dt_s, const Eigen::Vector2d& robot_m, double robot_speed_mps,
+                  const TouchesRobot& touches_robot) {
   const bool robot_moves = std::abs(robot_speed_mps) > manners_.stands_mps;
   const int parts = std::max(1, static_cast<int>(std::ceil(dt_s / kMaxStep_s)));
   for (int part = 0; part < parts; ++part) {
     for (std::size_t i = 0; i < rounds_.size(); ++i) {
-      walk(i, dt_s / parts, robot_m, robot_moves);
+      walk(i, dt_s / parts, robot_m, robot_moves, touches_robot);
     }
   }
 }
 
-void People::walk(std::size_t index, double dt_s, const Eigen::Vector2d& robot_m,
-                  bool robot_moves) {
+void People::walk(std::size_t index, double dt_s, const Eigen::Vector2d& robot_m, bool robot_moves,
+                  const TouchesRobot& touches_robot) {
   Round& round = rounds_[index];
   PersonPose& pose = poses_[index];
   Eigen::Vector2d way = round.person.waypoints_m[round.waypoint] - pose.at_m;
@@ -105,9 +106,9 @@ void People::walk(std::size_t index, double dt_s, const Eigen::Vector2d& robot_m
     const Eigen::Vector2d to_m =
         pose.at_m + step_m * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
     if (!may_go(index, to_m, robot_m, robot_moves)) continue;
-    pose.at_m = to_m;
-    pose.heading_rad = heading_rad;
-    pose.walked_m += step_m;
+    const PersonPose next{pose.person, to_m, heading_rad, pose.walked_m + step_m};
+    if (touches_robot && touches_robot(next)) continue;
+    pose = next;
     break;
   }
   round.stuck_s += dt_s;

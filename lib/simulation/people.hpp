@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -31,8 +32,13 @@ class People {
   [[nodiscard]] static Result<People> create(const World& world, std::size_t count,
                                              std::uint64_t seed, const Manners& manners = {});
 
-  /// `robot_speed_mps`: of its fastest point, turning included.
-  void step(double dt_s, const Eigen::Vector2d& robot_m, double robot_speed_mps);
+  /// Whether somebody who stood so would touch the robot.
+  using TouchesRobot = std::function<bool(const PersonPose&)>;
+
+  /// `robot_speed_mps`: of its fastest point, turning included. One whom the robot has come so near
+  /// that a leg might touch it walks off only where none does.
+  void step(double dt_s, const Eigen::Vector2d& robot_m, double robot_speed_mps,
+            const TouchesRobot& touches_robot = {});
 
   [[nodiscard]] std::span<const PersonPose> poses() const { return poses_; }
 
@@ -51,7 +57,8 @@ class People {
   };
 
   People(std::uint64_t seed, const Manners& manners) : seed_{seed}, manners_{manners} {}
-  void walk(std::size_t index, double dt_s, const Eigen::Vector2d& robot_m, bool robot_moves);
+  void walk(std::size_t index, double dt_s, const Eigen::Vector2d& robot_m, bool robot_moves,
+            const TouchesRobot& touches_robot);
   [[nodiscard]] bool may_go(std::size_t index, const Eigen::Vector2d& to_m,
                             const Eigen::Vector2d& robot_m, bool robot_moves) const;
   void take_next_waypoint(std::size_t index);

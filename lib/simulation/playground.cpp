@@ -21,7 +21,8 @@ Result<Playground> Playground::create(std::shared_ptr<const World> world, const 
 
 void Playground::step(double left_duty, double right_duty) {
   constexpr double kStep_s = to_seconds(kStep_us);
-  people_.step(kStep_s, body_.T_world_body().translation().head<2>(), body_.fastest_mps());
+  people_.step(kStep_s, body_.T_world_body().translation().head<2>(), body_.fastest_mps(),
+               [this](const PersonPose& person) { return body_.would_hold(person); });
   body_.step(left_duty, right_duty, kStep_s, people_.poses());
 }
 

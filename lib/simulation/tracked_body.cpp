@@ -60,6 +60,14 @@ const std::string& TrackedBody::name_of(Obstacle obstacle) const {
   return obstacle < boxes ? world_->boxes[obstacle].name : world_->people[obstacle - boxes].name;
 }
 
+bool TrackedBody::would_hold(const PersonPose& person) const {
+  if (person.person >= world_->people.size()) return false;
+  const Person& who = world_->people[person.person];
+  const Eigen::Vector2d between_m = T_world_body_.translation().head<2>() - person.at_m;
+  return between_m.norm() < shape_.reach_m() + who.radius_m &&
+         shape_.with_person(T_world_body_, who, person).gap_m < 0;
+}
+
 template <class Look>
 void TrackedBody::for_each_near(const Isometry& T_world_body, std::span<const PersonPose> people,
                                 Look&& look) {

@@ -39,6 +39,8 @@ class TrackedBody {
   void step(double left_duty, double right_duty, double dt_s, std::span<const PersonPose> people);
 
   [[nodiscard]] const Isometry& T_world_body() const { return T_world_body_; }
+  /// Whether somebody who stood so would be in it.
+  [[nodiscard]] bool would_hold(const PersonPose& person) const;
   /// Of its fastest point, in the last step.
   [[nodiscard]] double fastest_mps() const { return fastest_mps_; }
 
