@@ -9,6 +9,7 @@
 #include "core/geometry.hpp"
 #include "core/result.hpp"
 #include "mapping/frame_bricks.hpp"
+#include "mapping/ray_shortcuts.hpp"
 #include "mapping/voxel_map.hpp"
 #include "stereo/disparity_image.hpp"
 
@@ -41,10 +42,11 @@ struct Integration {
   std::vector<BrickIndex> changed;  ///< bricks in which a voxel changed its class, sorted
 };
 
-/// Adds depth images to a map by exact ray walking (Amanatides and Woo 1987). Each used pixel is a
-/// ray from the camera to the measured point; a voxel gets at most one hit or one miss per frame,
-/// and a hit wins. Pixels with no answer say nothing. The order of pixels does not matter to the
-/// outcome.
+/// Adds depth images to a map by exact ray walking (Amanatides and Woo 1987), less those parts of
+/// rays whose voxels other rays are sure to meet (RayShortcuts); the outcome is the same. Each used
+/// pixel is a ray from the camera to the measured point; a voxel gets at most one hit or one miss
+/// per frame, and a hit wins. Pixels with no answer say nothing. The order of pixels does not
+/// matter to the outcome.
 class RayIntegrator {
  public:
   explicit RayIntegrator(const RayIntegratorConfig& config) : config_{config} {}
@@ -55,11 +57,15 @@ class RayIntegrator {
                                               const Isometry& T_map_camera, VoxelMap& map);
 
  private:
+  void lay_out_rays(const stereo::DisparityImage& image);
   void cast_rays(const stereo::DisparityImage& image, const Isometry& T_map_camera,
                  const VoxelMap& map, Integration& counts);
   void apply(VoxelMap& map, Integration& counts) const;
 
   RayIntegratorConfig config_;
+  RayGrid rays_;
+  cv::Mat_<std::uint8_t> is_hit_;  ///< not 0: the ray ends at what was measured
+  RayShortcuts shortcuts_;
   FrameBricks frame_;
 };
 

@@ -11,6 +11,10 @@ namespace {
 /// Coordinates within a brick as fixed point: whole voxels above kFraction bits.
 constexpr int kFraction = 48;
 constexpr std::int64_t kOne = std::int64_t{1} << kFraction;
+/// Fewer layers are walked.
+constexpr std::int32_t kWorthALeap = 4;
+/// Of one leap, so that the way sideways fits its 64 bits.
+constexpr std::int32_t kLongestLeap = 1 << 13;
 
 std::int64_t fixed(double voxels) {
   return static_cast<std::int64_t>(voxels * static_cast<double>(kOne));
@@ -87,7 +91,25 @@ class LayerWalk {
     }
   }
 
+  /// Stands where crossing this many whole layers ends, to the last bit, and marks nothing.
+  void leap(std::int32_t count) {
+    for (; count > kLongestLeap; count -= kLongestLeap) leap(kLongestLeap);
+    const std::int64_t u = u_ + count * u_slope_;
+    const std::int64_t v = v_ + count * v_slope_;
+    const std::int32_t layer = layer_ + count * step_;
+    BrickIndex there = frame_[brick_].index;
+    const std::array<std::int32_t*, 3> coordinates{&there.x, &there.y, &there.z};
+    *coordinates[kAxis] += layer >> 3;
+    *coordinates[kU] += static_cast<std::int32_t>(cell_of(u) >> 3);
+    *coordinates[kV] += static_cast<std::int32_t>(cell_of(v) >> 3);
+    brick_ = frame_.find_or_add(there);
+    layer_ = layer & 7;
+    start_at(u & kWithinBrick, v & kWithinBrick);
+  }
+
  private:
+  static constexpr std::int64_t kWithinBrick = kBrickSide * kOne - 1;
+
   template <std::size_t kOther>
   [[nodiscard]] std::int64_t local(double coordinate) const {
     return fixed(coordinate - kBrickSide * array_of(frame_[brick_].index)[kOther]);
@@ -175,7 +197,8 @@ class LayerWalk {
 }  // namespace
 
 template <int kAxis>
-std::uint32_t RayWalker::walk_along(const Eigen::Vector3d& end_voxels, std::int32_t planes) {
+std::uint32_t RayWalker::walk_along(const Eigen::Vector3d& end_voxels, std::int32_t planes,
+                                    const Part& spared) {
   using Walk = LayerWalk<kAxis>;
   const Eigen::Vector3d along = end_voxels - origin_voxels_;
   const double length = std::abs(along[kAxis]);
@@ -191,21 +214,34 @@ std::uint32_t RayWalker::walk_along(const Eigen::Vector3d& end_voxels, std::int3
     const double to_plane = planes > 0 ? layer + 1.0 - a : a - layer;
     walk.cross_layer_to(walk.local_u(u + u_slope * to_plane), walk.local_v(v + v_slope * to_plane));
     walk.next_layer();
-    walk.cross_layers(std::abs(planes) - 1);
+    const std::int32_t whole = std::abs(planes) - 1;
+    const auto layers_until = [&](double share) {
+      return std::clamp(share * length - to_plane, 0.0, static_cast<double>(whole));
+    };
+    const auto from = static_cast<std::int32_t>(std::ceil(layers_until(spared.from)));
+    const auto to = static_cast<std::int32_t>(layers_until(spared.to));
+    if (to - from >= kWorthALeap) {
+      walk.cross_layers(from);
+      walk.leap(to - from);
+      walk.cross_layers(whole - to);
+    } else {
+      walk.cross_layers(whole);
+    }
   }
   walk.cross_layer_to(walk.local_u(end_voxels[Walk::kU]), walk.local_v(end_voxels[Walk::kV]));
   return walk.brick();
 }
 
-std::uint32_t RayWalker::walk(const Eigen::Vector3d& end_voxels, VoxelIndex end) {
+std::uint32_t RayWalker::walk(const Eigen::Vector3d& end_voxels, VoxelIndex end,
+                              const Part& spared) {
   const Eigen::Vector3d along = (end_voxels - origin_voxels_).cwiseAbs();
   std::uint32_t brick = 0;
   if (along.x() >= along.y() && along.x() >= along.z()) {
-    brick = walk_along<0>(end_voxels, end.x - origin_.x);
+    brick = walk_along<0>(end_voxels, end.x - origin_.x, spared);
   } else if (along.y() >= along.z()) {
-    brick = walk_along<1>(end_voxels, end.y - origin_.y);
+    brick = walk_along<1>(end_voxels, end.y - origin_.y, spared);
   } else {
-    brick = walk_along<2>(end_voxels, end.z - origin_.z);
+    brick = walk_along<2>(end_voxels, end.z - origin_.z, spared);
   }
   return frame_[brick].index == brick_of(end) ? brick : frame_.find_or_add(brick_of(end));
 }

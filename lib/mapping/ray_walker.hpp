@@ -22,13 +22,20 @@ class RayWalker {
         origin_{origin},
         first_brick_{frame.find_or_add(brick_of(origin))} {}
 
+  /// A part of a ray, as shares of its length.
+  struct Part {
+    double from = 0;
+    double to = 0;
+  };
+
   /// Marks misses from the origin up to and with voxel `end`; `end_voxels` is a point of `end`, in
-  /// voxel units. Gives the brick of `end`.
-  std::uint32_t walk(const Eigen::Vector3d& end_voxels, VoxelIndex end);
+  /// voxel units. Voxels that it meets in `spared` alone may be left out. Gives the brick of `end`.
+  std::uint32_t walk(const Eigen::Vector3d& end_voxels, VoxelIndex end, const Part& spared);
 
  private:
   template <int kAxis>
-  std::uint32_t walk_along(const Eigen::Vector3d& end_voxels, std::int32_t planes);
+  std::uint32_t walk_along(const Eigen::Vector3d& end_voxels, std::int32_t planes,
+                           const Part& spared);
 
   FrameBricks& frame_;
   Eigen::Vector3d origin_voxels_;

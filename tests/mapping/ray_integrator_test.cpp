@@ -99,6 +99,22 @@ RayIntegratorConfig to_range(double max_range_m) {
   return config;
 }
 
+void expect_same(const VoxelMap& map, const BruteForce& truth) {
+  std::size_t with_evidence = 0;
+  map.grid().for_each([&](BrickIndex, const EvidenceBrick& brick) {
+    for (std::size_t i = 0; i < kBrickVoxels; ++i) {
+      with_evidence += brick.occupied_evidence[i] + brick.empty_evidence[i] > 0 ? 1 : 0;
+    }
+  });
+  EXPECT_EQ(with_evidence, truth.evidence.size());
+  for (const auto& [voxel, evidence] : truth.evidence) {
+    const VoxelState state = map.state(voxel);
+    ASSERT_EQ(state.occupied_evidence, evidence.first)
+        << voxel.x << " " << voxel.y << " " << voxel.z;
+    ASSERT_EQ(state.empty_evidence, evidence.second) << voxel.x << " " << voxel.y << " " << voxel.z;
+  }
+}
+
 TEST(RayIntegrator, GivesEveryVoxelTheEvidenceThatBruteForceGives) {
   const unsigned seed = 7;
   SCOPED_TRACE("seed " + std::to_string(seed));
@@ -130,23 +146,38 @@ TEST(RayIntegrator, GivesEveryVoxelTheEvidenceThatBruteForceGives) {
       ASSERT_TRUE(result) << result.error().message;
       truth.integrate(image, T_map_camera);
     }
-    std::size_t with_evidence = 0;
-    map.grid().for_each([&](BrickIndex, const EvidenceBrick& brick) {
-      for (std::size_t i = 0; i < kBrickVoxels; ++i) {
-        with_evidence += brick.occupied_evidence[i] + brick.empty_evidence[i] > 0 ? 1 : 0;
-      }
-    });
-    EXPECT_EQ(with_evidence, truth.evidence.size());
-    for (const auto& [voxel, evidence] : truth.evidence) {
-      const VoxelState state = map.state(voxel);
-      ASSERT_EQ(state.occupied_evidence, evidence.first)
-          << voxel.x << " " << voxel.y << " " << voxel.z;
-      ASSERT_EQ(state.empty_evidence, evidence.second)
-          << voxel.x << " " << voxel.y << " " << voxel.z;
-    }
+    expect_same(map, truth);
     compared += truth.evidence.size();
   }
   EXPECT_GT(compared, 20000u);
+}
+
+// Rays so close that most of them are spared most of their way, with holes in between.
+TEST(RayIntegrator, SparesRaysOnlyWhatBruteForceFindsMarkedAllTheSame) {
+  const unsigned seed = 11;
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random{seed};
+  std::uniform_real_distribution<double> uniform{-1, 1};
+  for (int scene = 0; scene < 4; ++scene) {
+    const RayIntegratorConfig config = to_range(2.5);
+    RayIntegrator integrator{config};
+    BruteForce truth{config};
+    VoxelMap map{kResolution_m};
+    for (int frame = 0; frame < 3; ++frame) {
+      const double hole_row = 24 + 20 * uniform(random);
+      const double hole_col = 32 + 30 * uniform(random);
+      auto image = image_of(small_camera(256, 192), 4, [&](int row, int col) {
+        if (std::hypot(row - hole_row, col - hole_col) < 4 || random() % 300 == 0) return 0.0;
+        return 1.9 + 0.8 * std::sin(0.1 * row * scene) + 0.01 * col;
+      });
+      const Isometry T_map_camera =
+          pose({uniform(random), uniform(random), uniform(random)}, uniform(random),
+               1.5 * uniform(random), M_PI * uniform(random));
+      ASSERT_TRUE(integrator.integrate(image, T_map_camera, map));
+      truth.integrate(image, T_map_camera);
+    }
+    expect_same(map, truth);
+  }
 }
 
 TEST(RayIntegrator, AWallIsOccupiedFreeBeforeAndUnknownBehind) {
