@@ -5,10 +5,12 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <iostream>
 #include <opencv2/core.hpp>
 #include <random>
 
+#include "bus/log_format.hpp"
 #include "bus/stop_signal.hpp"
 
 namespace cairn::bus {
@@ -61,36 +63,34 @@ std::int64_t random_session() {
   return static_cast<std::int64_t>(bits);
 }
 
+// Not in the form of a log line: those have been heard on the bus.
+int failed(const Error& error) {
+  std::cerr << error.message << "\n";
+  return kExitFailure;
+}
+
 int run(const ProcessDescription& description, const Options& options) {
   StopSignal stop;
+  // What this process starts talks on the same bus.
+  ::setenv("LCM_DEFAULT_URL", effective_url(options.lcm_url).c_str(), 1);
   const auto bus = open_bus(options.lcm_url);
-  if (!bus) {
-    spdlog::error("{}: {}", description.name, bus.error().message);
-    return kExitFailure;
-  }
+  if (!bus) return failed(bus.error());
   StateFolder state;
   if (!options.state.empty()) {
     auto opened = StateFolder::open(options.state);
-    if (!opened) {
-      spdlog::error("{}: {}", description.name, opened.error().message);
-      return kExitFailure;
-    }
+    if (!opened) return failed(opened.error());
     state = std::move(*opened);
   }
   const SteadyClock clock;
   Node node(description.name, **bus, clock, std::move(state), random_session());
   const auto finish = description.start(node);
   const Result<void> started = !finish ? tl::make_unexpected(finish.error()) : node.wiring();
-  if (!started) {
-    spdlog::error("{}: {}", description.name, started.error().message);
-    return kExitFailure;
-  }
+  if (!started) return failed(started.error());
   spdlog::info("{}: ready", description.name);
   while (!node.stopping() && !stop.arrived()) node.spin_once(kLongestWait_us);
   const auto finished = (*finish)();
   node.publish_status();
-  if (!finished) spdlog::error("{}: {}", description.name, finished.error().message);
-  return finished ? 0 : kExitFailure;
+  return finished ? 0 : failed(finished.error());
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ int run_process(int argc, char** argv, ProcessDescription description) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("cairn"));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_pattern(kLogPattern);
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   cv::setNumThreads(1);
   if (options.reference) {

@@ -43,11 +43,20 @@ void ChildProcess::signal(int number) const {
 }
 
 std::optional<int> ChildProcess::exit_code() {
+  look(WNOHANG);
+  return exit_code_;
+}
+
+int ChildProcess::wait() {
+  look(0);
+  return exit_code_.value_or(-1);
+}
+
+void ChildProcess::look(int options) {
   int status = 0;
-  if (!exit_code_ && ::waitpid(pid_, &status, WNOHANG) == pid_) {
+  if (!exit_code_ && ::waitpid(pid_, &status, options) == pid_) {
     exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
-  return exit_code_;
 }
 
 }  // namespace cairn

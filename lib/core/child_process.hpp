@@ -31,11 +31,15 @@ class ChildProcess {
   /// Its exit code once it has ended (minus the signal's number if it was killed), else nothing.
   [[nodiscard]] std::optional<int> exit_code();
 
+  /// Waits for its end; its exit code.
+  int wait();
+
   [[nodiscard]] pid_t pid() const { return pid_; }
 
  private:
   explicit ChildProcess(pid_t pid) : pid_{pid} {}
   void end();
+  void look(int options);
 
   pid_t pid_ = 0;
   std::optional<int> exit_code_;

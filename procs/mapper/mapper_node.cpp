@@ -107,6 +107,7 @@ void MapperNode::take_odometric(const disparity_t& seen, const odometry_t& from)
 }
 
 void MapperNode::integrate(const disparity_t& seen, const isometry_t& pose) {
+  if (!config_.integrate) return;
   const auto image = messages::to_disparity(seen);
   if (!image) return node_.refuse(channels::Disparity::name, image.error().message);
   const auto T_map_body = messages::to_isometry(pose, "pose");

@@ -25,6 +25,7 @@ struct MapperConfig {
   mapping::RayIntegratorConfig rays;
   mapping::EvidenceConfig evidence;
   std::string map;
+  bool integrate = true;
 
   void visit(ConfigVisitor& v) {
     v.number("resolution_m", resolution_m, {0.001, 1}, "m", "side of a voxel");
@@ -35,6 +36,7 @@ struct MapperConfig {
     v.group("rays", rays, "how a frame becomes evidence");
     v.group("evidence", evidence, "how evidence becomes occupied and free");
     v.text("map", map, "map file to go on with; empty: an empty map");
+    v.flag("integrate", integrate, "false: the map stays as it is, whatever is seen");
   }
 };
 

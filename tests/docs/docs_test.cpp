@@ -14,6 +14,7 @@
 #include "procs/odometry/odometry_node.hpp"
 #include "procs/simulator/simulator_node.hpp"
 #include "procs/stereo/stereo_node.hpp"
+#include "procs/supervisor/supervisor_node.hpp"
 
 namespace cairn {
 namespace {
@@ -76,7 +77,19 @@ TEST(Docs, TheConfigReferenceIsTheCode) {
               section<CameraConfig>("camera") + section<SimulatorConfig>("simulator") +
                   section<StereoNode::Config>("stereo") +
                   section<OdometryNode::Config>("odometry") + section<MapperConfig>("mapper") +
-                  "\n");
+                  section<SupervisorConfig>("supervisor") + "\n");
+}
+
+template <class Config>
+std::string reference() {
+  Config config;
+  return config_reference([&](ConfigVisitor& visitor) { config.visit(visitor); });
+}
+
+TEST(Docs, TheGroupReferenceIsTheCode) {
+  const fs::path page = kRoot / "config" / "groups" / "README.md";
+  expect_part(page, "group", reference<GroupConfig>());
+  expect_part(page, "process", reference<GroupProcess>());
 }
 
 template <class Config>
