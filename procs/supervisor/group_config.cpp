@@ -13,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kRun = "${RUN}";
+constexpr std::string_view kHere = "${HERE}";
 
 bool is_known(const std::string& process) {
   return std::find(bus::kProcesses.begin(), bus::kProcesses.end(), process) !=
@@ -42,11 +43,10 @@ void check_file(ConfigVisitor& v, const char* key, const fs::path& file) {
   if (!fs::exists(file, error)) v.reject(key, file.string() + ": no such file");
 }
 
-std::string with_run(std::string text, const fs::path& run) {
-  const std::string folder = run.string();
-  for (std::size_t at = text.find(kRun); at != std::string::npos;
-       at = text.find(kRun, at + folder.size())) {
-    text.replace(at, kRun.size(), folder);
+std::string replaced(std::string text, std::string_view word, const std::string& by) {
+  for (std::size_t at = text.find(word); at != std::string::npos;
+       at = text.find(word, at + by.size())) {
+    text.replace(at, word.size(), by);
   }
   return text;
 }
@@ -59,7 +59,8 @@ void GroupProcess::visit(ConfigVisitor& v) {
       "program", program,
       "file that is started in place of cairn-NAME, with the same options; relative to this file");
   v.texts("settings", settings,
-          "KEY=VALUE for the process; win over the robot file; ${RUN} is the run's folder");
+          "KEY=VALUE for the process; win over the robot file; ${RUN} is the run's folder, ${HERE} "
+          "this file's");
   v.texts("after", after, "is started once these, which stand above it, are ready");
   v.choice("restart", restart, {"always", "on_failure", "never"},
            "what becomes of it when it ends; on_failure: not after it ended with code 0");
@@ -115,7 +116,9 @@ Result<GroupConfig> load_group(const fs::path& file) {
       group.robot = beside(file, group.robot);
       check_file(v, "robot", group.robot);
     }
+    const std::string here = beside(file, ".").string();
     for (GroupProcess& process : group.processes) {
+      for (std::string& setting : process.settings) setting = replaced(setting, kHere, here);
       if (process.program.empty()) continue;
       process.program = beside(file, process.program);
       check_file(v, "processes", process.program);
@@ -132,13 +135,14 @@ std::string print_group(GroupConfig group) {
 
 std::vector<std::string> command_of(const GroupConfig& group, const GroupProcess& process,
                                     const fs::path& run) {
-  std::vector<std::string> command{
-      process.program.empty() ? (program_folder() / ("cairn-" + process.name)).string()
-                              : process.program,
-      "--lcm-url", group.lcm_url, "--state", run / "state" / process.name};
+  std::vector<std::string> command{process.program.empty()
+                                       ? (program_folder() / ("cairn-" + process.name)).string()
+                                       : process.program,
+                                   "--state", run / "state" / process.name};
+  if (!group.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", group.lcm_url});
   if (!group.robot.empty()) command.insert(command.end(), {"--config", group.robot});
   for (const std::string& setting : process.settings) {
-    command.insert(command.end(), {"--set", with_run(setting, run)});
+    command.insert(command.end(), {"--set", replaced(setting, kRun, run.string())});
   }
   return command;
 }

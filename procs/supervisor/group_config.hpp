@@ -37,7 +37,8 @@ struct GroupConfig {
 };
 
 /// Strictly; an error names file and line. `robot` and each `program` come back as absolute paths
-/// of files that are there, `group` as the file itself where it does not name another.
+/// of files that are there, `${HERE}` in settings as the file's folder, `group` as the file itself
+/// where it does not name another.
 [[nodiscard]] Result<GroupConfig> load_group(const std::filesystem::path& file);
 
 /// What load_group takes back.

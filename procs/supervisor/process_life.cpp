@@ -41,11 +41,11 @@ void ProcessLife::want(HostTime now_us) {
   memory_.failed = false;
 }
 
-void ProcessLife::want_not(HostTime now_us) {
+void ProcessLife::want_not(HostTime now_us, const std::string& why) {
   memory_.wanted = false;
   memory_.failed = false;
   if (runs_) begin_to_stop(now_us);
-  memory_.reason = "stopped by hand";
+  memory_.reason = why;
 }
 
 void ProcessLife::restart(HostTime now_us) {
@@ -97,10 +97,10 @@ void ProcessLife::nobody_listened(std::int64_t duration_us) {
 void ProcessLife::ended(HostTime now_us, std::optional<int> exit_code) {
   runs_ = false;
   memory_.exit_code = exit_code.value_or(0);
-  const bool asked = stopping_since_us_.has_value();
+  const bool asked = stopping_since_us_.has_value() || !memory_.wanted;
   stopping_since_us_.reset();
   if (asked) {
-    memory_.reason = memory_.wanted ? "restarted by hand" : "stopped by hand";
+    if (memory_.wanted) memory_.reason = "restarted by hand";
     if (exit_code == -SIGKILL) memory_.reason += "; it had to be killed";
     next_start_us_ = now_us;
     return;

@@ -56,7 +56,7 @@ class ProcessLife {
 
   /// Runs from now on; one that was given up gets another chance.
   void want(HostTime now_us);
-  void want_not(HostTime now_us);
+  void want_not(HostTime now_us, const std::string& why = "stopped by hand");
   /// Ends and runs again, without back-off; wanted from now on.
   void restart(HostTime now_us);
 
