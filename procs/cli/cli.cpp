@@ -22,8 +22,11 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Each word has its own --help with an example.");
   Run run;
-  for (const auto add : {add_demo, add_replay, add_record, add_stereo, add_eval, add_map, add_spy})
+  for (const auto add :
+       {add_demo, add_up, add_keep, add_down, add_ps, add_process_words, add_output, add_replay,
+        add_record, add_stereo, add_eval, add_map, add_spy}) {
     add(app, run);
+  }
   // The script in the root does this one before it gets here; it is listed for people.
   app.add_subcommand("test", "build and run every test")->callback([&] {
     run = [] {

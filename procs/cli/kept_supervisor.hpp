@@ -4,10 +4,13 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "core/result.hpp"
 #include "core/time.hpp"
 #include "procs/supervisor/process_life.hpp"
+#include "procs/supervisor/running_program.hpp"
 
 namespace cairn::cli {
 
@@ -32,20 +35,24 @@ class KeptSupervisor {
   [[nodiscard]] int restarts() const { return life_.restarts(); }
 
   /// 0 while it does not run.
-  [[nodiscard]] pid_t pid() const { return pid_; }
+  [[nodiscard]] pid_t pid() const { return program_ ? program_->id().pid : 0; }
 
   /// Tells it to end the group and itself; it is looked after until it has.
   void end();
 
  private:
   explicit KeptSupervisor(std::filesystem::path run);
-  void start_now(HostTime now_us);
+  [[nodiscard]] std::filesystem::path log() const;
+  [[nodiscard]] Result<void> start_now(HostTime now_us);
+  [[nodiscard]] Result<void> take_end(HostTime now_us, const RunningProgram::End& end);
 
   std::filesystem::path run_;
+  std::string lcm_url_;
   ProcessLife life_;
-  pid_t pid_ = 0;
-  bool ended_ = false;
+  std::optional<RunningProgram> program_;
+  HostTime told_us_ = 0;  ///< when it was told to end, or started
   bool ending_ = false;
+  bool ended_ = false;
 };
 
 /// Keeps the supervisor of this run until its group is ended; ends it on SIGINT, SIGTERM or SIGHUP.

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/atomic_file.hpp"
+#include "procs/supervisor/group_memory.hpp"
 
 namespace cairn::cli {
 namespace {
@@ -20,9 +21,13 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMark = ".cairn-run";
 constexpr const char* kConfig = "config.yaml";
-constexpr std::array<std::string_view, 12> kWrittenByRuns{
-    "trajectory.tum", "trajectory_final.tum", "truth.tum", "map.cairn", "map.png",  "map.ply",
-    "report.json",    "recording.lcmlog",     "state",     "log",       "sequence", kConfig};
+constexpr std::array<std::string_view, 14> kWrittenByRuns{"trajectory.tum", "trajectory_final.tum",
+                                                          "truth.tum",      "map.cairn",
+                                                          "map.png",        "map.ply",
+                                                          "report.json",    "recording.lcmlog",
+                                                          "state",          "log",
+                                                          "sequence",       kConfig,
+                                                          "group.yaml",     "wheels"};
 
 bool lies_in(const fs::path& path, const fs::path& folder) {
   if (path.empty()) return false;
@@ -30,12 +35,27 @@ bool lies_in(const fs::path& path, const fs::path& folder) {
   return inner.starts_with(fs::weakly_canonical(folder).string() + "/");
 }
 
-Result<void> check_apart(const RunPlan& plan) {
-  for (const fs::path& input : {plan.source, plan.map, plan.truth, plan.config_file}) {
-    if (lies_in(input, plan.out)) {
+Result<void> check_apart(const fs::path& folder, std::span<const fs::path> inputs) {
+  for (const fs::path& input : inputs) {
+    if (lies_in(input, folder)) {
       return fail(input.string() + ": lies in the folder that the results go to (" +
-                  plan.out.string() + "); choose another --out");
+                  folder.string() + "); choose another --out");
     }
+  }
+  return {};
+}
+
+Result<void> check_idle(const fs::path& folder) {
+  const RunUse use = use_of(folder);
+  if (use == RunUse::kSupervised) {
+    return fail(folder.string() +
+                ": its process group runs; end it (./cairn down), or choose another --out");
+  }
+  if (use == RunUse::kUnsupervised) {
+    return fail(folder.string() +
+                ": its process group runs without its supervisor; take it up again (./cairn up "
+                "GROUP --out " +
+                folder.string() + "), or choose another --out");
   }
   return {};
 }
@@ -71,20 +91,28 @@ fs::path config_of_run(const fs::path& folder) {
   return there ? config : fs::path{};
 }
 
-Result<RunFolder> RunFolder::open(RunPlan& plan) {
-  if (plan.out.empty()) plan.out = "out/replay";
+Result<RunFolder> RunFolder::take(const fs::path& path, std::span<const fs::path> inputs) {
   std::error_code error;
-  fs::create_directories(plan.out, error);
-  if (error) return fail(plan.out.string() + ": cannot make the folder: " + error.message());
-  if (auto apart = check_apart(plan); !apart) return tl::make_unexpected(apart.error());
-  if (auto ours = check_ours(plan.out); !ours) return tl::make_unexpected(ours.error());
-  const auto locked = lock(plan.out);
+  fs::create_directories(path, error);
+  if (error) return fail(path.string() + ": cannot make the folder: " + error.message());
+  if (auto apart = check_apart(path, inputs); !apart) return tl::make_unexpected(apart.error());
+  if (auto ours = check_ours(path); !ours) return tl::make_unexpected(ours.error());
+  const auto locked = lock(path);
   if (!locked) return tl::make_unexpected(locked.error());
   RunFolder folder(*locked);
+  if (auto idle = check_idle(path); !idle) return tl::make_unexpected(idle.error());
   for (const std::string_view name : kWrittenByRuns) {
-    fs::remove_all(plan.out / name, error);
-    if (error) return fail((plan.out / name).string() + ": cannot remove: " + error.message());
+    fs::remove_all(path / name, error);
+    if (error) return fail((path / name).string() + ": cannot remove: " + error.message());
   }
+  return folder;
+}
+
+Result<RunFolder> RunFolder::open(RunPlan& plan) {
+  if (plan.out.empty()) plan.out = "out/replay";
+  auto folder =
+      take(plan.out, std::array<fs::path, 4>{plan.source, plan.map, plan.truth, plan.config_file});
+  if (!folder) return folder;
   if (auto written = write_config(plan); !written) return tl::make_unexpected(written.error());
   return folder;
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+#include <span>
+
 #include "procs/cli/run_plan.hpp"
 
 namespace cairn::cli {
@@ -10,11 +13,15 @@ namespace cairn::cli {
 /// A folder is taken if it is new, empty, or holds the mark of an earlier run; of that run's files
 /// only those that runs write are removed. Anything else is refused, so that nobody's files are
 /// lost: a folder that no run made, one that another run is writing into, and one that holds what
-/// this run is to read. It gets the effective config of the run (config.yaml).
+/// this run is to read, and one whose process group runs.
 class RunFolder {
  public:
-  /// plan.out, by default out/replay. Everything that can be wrong with the plan should have been
-  /// found before.
+  /// Makes it if it is missing. The inputs are what the run is to read; empty paths are none.
+  [[nodiscard]] static Result<RunFolder> take(const std::filesystem::path& folder,
+                                              std::span<const std::filesystem::path> inputs);
+
+  /// plan.out, by default out/replay; it gets the effective config of the run (config.yaml).
+  /// Everything that can be wrong with the plan should have been found before.
   [[nodiscard]] static Result<RunFolder> open(RunPlan& plan);
 
   RunFolder(RunFolder&& other) noexcept;
