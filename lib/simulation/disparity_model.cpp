@@ -72,7 +72,9 @@ class Matching {
       : truth_px_{truth_px},
         camera_{camera},
         T_world_camera_{T_world_camera},
-        seed_{seed},
+        depth_per_px_{1 / camera.f_px},
+        drop_seed_{hash64(seed, 1)},
+        error_seed_{hash64(seed, 2)},
         frame_seed_{frame_seed},
         edge_(static_cast<std::size_t>(truth_px.cols)),
         left_edge_(edge_.size()),
@@ -146,7 +148,7 @@ class Matching {
   void match_cell(int row, int col, DisparityImage& image) {
     const float truth = truth_px_(row, col);
     if (truth < kFarthest_px) return none(row, col, Reason::kOutOfRange, image);
-    const Chance drop = chance(row, col, kDropPatch_m, 1);
+    const Chance drop = chance(row, col, kDropPatch_m, drop_seed_);
     if (truth >= kEnd_px) {
       return make_up(row, col, drop, kMadeUpNear, kEnd_px, Reason::kOutOfRange, image);
     }
@@ -173,7 +175,7 @@ class Matching {
   }
 
   void answer(int row, int col, float truth, const Kind& kind, DisparityImage& image) {
-    const Chance common = chance(row, col, kErrorPatch_m, 2);
+    const Chance common = chance(row, col, kErrorPatch_m, error_seed_);
     const float sureness = unit(hash64(common.surface, 4));
     std::size_t confidence = 0;
     while (confidence < 3 && sureness > kind.up_to[confidence]) ++confidence;
@@ -215,10 +217,9 @@ class Matching {
 
   static void put(int row, int col, float disparity_px, std::uint8_t confidence,
                   DisparityImage& image) {
-    const long sixteenths = std::lround(16 * disparity_px);
-    if (sixteenths < 16 * static_cast<long>(kFarthest_px) || disparity_px >= kEnd_px)
+    if (disparity_px < kFarthest_px || disparity_px >= kEnd_px)
       return none(row, col, Reason::kOutOfRange, image);
-    image.disparity_16ths(row, col) = static_cast<std::uint16_t>(sixteenths);
+    image.disparity_16ths(row, col) = static_cast<std::uint16_t>(16 * disparity_px + 0.5F);
     image.code(row, col) = confidence;
   }
 
@@ -244,19 +245,21 @@ class Matching {
     return std::clamp(4 * (slope - 0.35F), 0.0F, 0.65F);
   }
 
-  [[nodiscard]] Chance chance(int row, int col, double patch_m, std::uint64_t what) const {
+  [[nodiscard]] Chance chance(int row, int col, double patch_m, std::uint64_t patch_seed) const {
+    constexpr std::uint64_t kBits = 21;
     const double depth_m =
         camera_.f_px * camera_.baseline_m / (truth_px_(row, col) + camera_.doffs_px);
     const Eigen::Vector3d at_m =
-        T_world_camera_ * Eigen::Vector3d((col * kStep_px - camera_.cx_px) / camera_.f_px * depth_m,
-                                          (row * kStep_px - camera_.cy_px) / camera_.f_px * depth_m,
-                                          depth_m);
-    std::uint64_t patch = hash64(seed_, what);
+        T_world_camera_ *
+        Eigen::Vector3d((col * kStep_px - camera_.cx_px) * depth_per_px_ * depth_m,
+                        (row * kStep_px - camera_.cy_px) * depth_per_px_ * depth_m, depth_m);
+    std::uint64_t patch = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const auto number = static_cast<std::int64_t>(std::floor(at_m[axis] / patch_m));
-      patch = hash64(patch ^ static_cast<std::uint64_t>(number));
+      patch = patch << kBits | (static_cast<std::uint64_t>(number) & ((1U << kBits) - 1));
     }
-    return {patch, hash64(frame_seed_ ^ patch)};
+    const std::uint64_t surface = hash64(patch ^ patch_seed);
+    return {surface, hash64(frame_seed_ ^ surface)};
   }
 
   static std::size_t index(int col) { return static_cast<std::size_t>(col); }
@@ -264,7 +267,9 @@ class Matching {
   const cv::Mat_<float>& truth_px_;
   const stereo::RectifiedCamera& camera_;
   const Isometry& T_world_camera_;
-  std::uint64_t seed_;
+  double depth_per_px_;
+  std::uint64_t drop_seed_;
+  std::uint64_t error_seed_;
   std::uint64_t frame_seed_;
   std::vector<int> edge_;
   std::vector<int> left_edge_;
