@@ -351,10 +351,10 @@ constexpr auto kSafety = std::chrono::seconds(120);
 
 TEST(SimulatorNode, LiveItPaintsTheSamePicturesAsInLockstep) {
   SimulatorConfig config = room();
-  config.speed = 0.25;  // so that a busy machine paints them all
+  config.speed = 0.1;  // so that a busy machine paints them all
   const bus::SteadyClock clock;
   LiveRun live(config, clock);
-  constexpr std::size_t kFrames = 8;
+  constexpr std::size_t kFrames = 5;
   const auto end = std::chrono::steady_clock::now() + kSafety;
   while (live.listener.frames.size() < kFrames && std::chrono::steady_clock::now() < end)
     live.spin();
@@ -375,28 +375,26 @@ TEST(SimulatorNode, LiveItPaintsTheSamePicturesAsInLockstep) {
 TEST(SimulatorNode, FasterThanLifeItWaitsForTheRobot) {
   SimulatorConfig config = room();
   config.speed = 10;
-  const bus::SteadyClock clock;
+  config.fast = true;
+  bus::ManualClock clock;
+  clock.set(1'000'000);
   LiveRun live(config, clock);
-  constexpr HostTime kThinks_us = 20'000;
+  // The robot is slow: it answers one frame in a tenth of a second, which is a second of data time.
   std::size_t answered = 0;
-  HostTime answered_us = clock.now_us();
-  const auto end = std::chrono::steady_clock::now() + kSafety;
-  while (live.listener.frames.size() < 20 && std::chrono::steady_clock::now() < end) {
+  for (int i = 1; i <= 3'000; ++i) {
+    clock.set(clock.now_us() + 1'000);
     live.spin();
-    const auto& frames = live.listener.frames;
-    ASSERT_LE(live.listener.truth.size(), answered + 2);
-    if (answered == frames.size() || clock.now_us() - answered_us < kThinks_us) continue;
-    answered_us = clock.now_us();
-    const Utime utime = frames[answered++].header.utime;
-    live.peer.publish<channels::Disparity>(disparity_t{}, utime);
+    const auto& seen = live.listener.disparities;
+    ASSERT_LE(seen.size(), answered + 2);
+    if (i % 100 != 0) continue;
+    ASSERT_EQ(seen.size(), answered + 2) << "it waits for no reason";
+    const Utime utime = seen[answered++].header.utime;
     live.peer.publish<channels::Pose>(pose_t{}, utime);
     map_delta_t map{};
     map.complete_through_utime = utime;
     live.peer.publish<channels::MapDelta>(map, utime);
   }
-  ASSERT_GE(live.listener.frames.size(), 20U);
-  for (std::size_t k = 0; k < live.listener.frames.size(); ++k)
-    EXPECT_EQ(live.listener.frames[k].frame_index, static_cast<std::int64_t>(k));
+  EXPECT_EQ(answered, 30U);
 }
 
 TEST(SimulatorNode, WhileTimeStandsStillClockGoesOnSayingSo) {
