@@ -18,11 +18,11 @@ inline constexpr std::array<std::string_view, 9> kProcesses{"camera",   "simulat
                                                             "odometry", "localizer", "mapper",
                                                             "planner",  "guard",     "motor"};
 
-/// A config file has one section for each of them and for their supervisor, and `robot` and
-/// `tracks` for what they must agree on.
-inline constexpr std::array<std::string_view, 12> kConfigSections{
-    "robot",     "tracks", "camera",  "simulator", "stereo", "odometry",
-    "localizer", "mapper", "planner", "guard",     "motor",  "supervisor"};
+/// A config file has one section for each of them and for their supervisor, and `robot` for what
+/// they must agree on.
+inline constexpr std::array<std::string_view, 11> kConfigSections{
+    "robot",  "camera",  "simulator", "stereo", "odometry",  "localizer",
+    "mapper", "planner", "guard",     "motor",  "supervisor"};
 
 /// What `run_process` needs to know of a process: its words, its config, and how it is built on a
 /// node.

@@ -65,16 +65,25 @@ Result<OdometryEstimate> StereoOdometry::update(const cv::Mat& left, const cv::M
                                                 const Tracks& tracks) {
   if (auto ok = check_input(left, right, camera); !ok) return tl::make_unexpected(ok.error());
   if (auto ok = check_time(utime); !ok) return tl::make_unexpected(ok.error());
+  if (auto settled = settle(); !settled) return tl::make_unexpected(settled.error());
   try {
     Frame frame = begin(utime, tracks);
     tracker_.expect(camera);
     View view{left, right, camera, make_pyramid(left)};
     look(view, frame);
+    const bool first = !started_;
     finish(tracks, frame);
-    return frame.estimate;
+    return first ? first_look(frame.estimate) : frame.estimate;
   } catch (const cv::Exception& exception) {
     return fail(std::string("odometry: ") + exception.what());
   }
+}
+
+Result<OdometryEstimate> StereoOdometry::first_look(OdometryEstimate estimate) {
+  if (auto settled = settle(); !settled) return tl::make_unexpected(settled.error());
+  estimate.tracked = estimate.inliers = tracker_.points();
+  estimate.quality = quality(estimate.tracked, estimate.inliers);
+  return estimate;
 }
 
 Result<OdometryEstimate> StereoOdometry::update_blind(Utime utime, const Tracks& tracks) {
@@ -117,7 +126,7 @@ StereoOdometry::Frame StereoOdometry::begin(Utime utime, const Tracks& tracks) {
 
 void StereoOdometry::look(View& view, Frame& frame) {
   OdometryEstimate& estimate = frame.estimate;
-  const auto sighting = see(view, frame);
+  auto sighting = see(view, frame);
   if (sighting) {
     take_seen(*sighting, frame);
   } else {
@@ -126,18 +135,30 @@ void StereoOdometry::look(View& view, Frame& frame) {
   // A keyframe that sight was overruled by still says where the body was, once the view is free.
   const bool keeps = estimate.dispute == Dispute::kSightOverruled &&
                      estimate.tracked >= kStrongInliers * config_.min_inliers;
-  if (!keeps && (!sighting || tracker_.is_worn(frame.pairs, *sighting))) {
-    estimate.is_keyframe = tracker_.renew(view, estimate.T_odom_body, frame.pairs, sighting);
-    if (estimate.is_keyframe) frame.covariance.setZero();
+  if (sighting) vouch(estimate.utime, estimate.T_odom_body);
+  if (keeps || (sighting && !tracker_.is_worn(frame.pairs, *sighting))) return;
+  unsettled_ = Unsettled{view.left.clone(),       view.right.clone(),     view.camera,
+                         std::move(view.pyramid), std::move(frame.pairs), std::move(sighting)};
+}
+
+Result<void> StereoOdometry::settle() {
+  if (!unsettled_) return {};
+  Unsettled due = std::move(*unsettled_);
+  unsettled_.reset();
+  try {
+    View view{due.left, due.right, due.camera, std::move(due.pyramid)};
+    if (!tracker_.renew(view, T_odom_body_, due.pairs, due.sighting)) return {};
+  } catch (const cv::Exception& exception) {
+    return fail(std::string("odometry: ") + exception.what());
   }
-  if (sighting || estimate.is_keyframe) {
-    T_odom_vouched_ = estimate.T_odom_body;
-    vouched_utime_ = estimate.utime;
-  }
-  if (!started_) {
-    estimate.tracked = estimate.inliers = tracker_.points();
-    estimate.quality = quality(estimate.tracked, estimate.inliers);
-  }
+  if (!due.sighting) vouch(utime_, T_odom_body_);
+  if (anchor_ && anchor_->utime == utime_) anchor_->body.covariance.setZero();
+  return {};
+}
+
+void StereoOdometry::vouch(Utime utime, const Isometry& T_odom_body) {
+  T_odom_vouched_ = T_odom_body;
+  vouched_utime_ = utime;
 }
 
 std::optional<Sighting> StereoOdometry::see(const View& view, Frame& frame) const {
@@ -282,6 +303,7 @@ Checkpoint StereoOdometry::checkpoint() const {
 
 void StereoOdometry::resume(const Checkpoint& checkpoint, const Tracks& tracks) {
   tracker_.forget();
+  unsettled_.reset();
   started_ = true;
   resumed_ = true;
   utime_ = checkpoint.utime;

@@ -51,7 +51,6 @@ struct OdometryEstimate {
   Basis basis = Basis::kNothing;
   Dispute dispute = Dispute::kNone;
   bool coasting = false;  ///< the pose was not measured but extrapolated
-  bool is_keyframe = false;
 };
 
 /// Follows a body by a stereo camera on it, frame to keyframe, and by its tracks.
@@ -90,7 +89,11 @@ class StereoOdometry {
                                                 const stereo::RectifiedCamera& camera, Utime utime,
                                                 const Tracks& tracks = {});
 
-  /// The same without looking.
+  /// Does what the last frame left to be done before the next one: makes it the keyframe, where one
+  /// is due. update() does it otherwise; whoever does it after publishing has answered sooner.
+  [[nodiscard]] Result<void> settle();
+
+  /// The same as update() without looking.
   [[nodiscard]] Result<OdometryEstimate> update_blind(Utime utime, const Tracks& tracks);
 
   /// What resume() needs, as of the last frame.
@@ -111,10 +114,21 @@ class StereoOdometry {
     bool seen = false;
   };
   struct Frame;
+  /// A frame that is to become the keyframe.
+  struct Unsettled {
+    cv::Mat left;
+    cv::Mat right;
+    stereo::RectifiedCamera camera;
+    Pyramid pyramid;
+    std::vector<PointPair> pairs;
+    std::optional<Sighting> sighting;
+  };
 
   [[nodiscard]] Result<void> check_time(Utime utime) const;
   [[nodiscard]] Frame begin(Utime utime, const Tracks& tracks);
   void look(View& view, Frame& frame);
+  [[nodiscard]] Result<OdometryEstimate> first_look(OdometryEstimate estimate);
+  void vouch(Utime utime, const Isometry& T_odom_body);
   [[nodiscard]] std::optional<Sighting> see(const View& view, Frame& frame) const;
   [[nodiscard]] std::optional<Sighting> judge(std::optional<Sighting> sighting,
                                               const Isometry& T_odom_camera_expected,
@@ -145,6 +159,7 @@ class StereoOdometry {
       Isometry::Identity();  ///< the last pose measured, or set by a keyframe
   Utime vouched_utime_ = 0;
   std::optional<Anchor> anchor_;
+  std::optional<Unsettled> unsettled_;
   bool tracks_trusted_ = true;        ///< they were not overruled when they were last heard
   std::optional<Utime> mover_utime_;  ///< when one was last left out
 };

@@ -126,6 +126,8 @@ void OdometryNode::update(const stereo_frame_t& frame) {
   answered_utime_ = estimated->utime;
   count(*estimated);
   node_.publish<channels::Odometry>(to_message(*estimated), estimated->utime);
+  if (auto settled = odometry_.settle(); !settled)
+    node_.refuse(channels::StereoFrame::name, settled.error().message);
   remember();
 }
 

@@ -158,7 +158,6 @@ TEST(StereoOdometry, StartsAfreshWhereItSeesNothingItKnows) {
   const auto lost = odometry.update(left, right, robot_camera(), time_of(4));
   ASSERT_TRUE(lost);
   EXPECT_TRUE(lost->coasting);
-  EXPECT_TRUE(lost->is_keyframe);
   const auto found = odometry.update(left, right, robot_camera(), time_of(5));
   ASSERT_TRUE(found);
   EXPECT_FALSE(found->coasting);
@@ -296,6 +295,34 @@ TEST(StereoOdometry, GivesTheSameBytesAgainAndOnTwoThreads) {
     EXPECT_EQ(runs[0][i].T_odom_body.matrix(), runs[1][i].T_odom_body.matrix());
     EXPECT_EQ(runs[0][i].step_covariance, runs[1][i].step_covariance);
     EXPECT_EQ(runs[0][i].inliers, runs[1][i].inliers);
+  }
+}
+
+TEST(StereoOdometry, SettledAtOnceOrLaterItIsTheSame) {
+  StereoOdometry later{StereoOdometryConfig{}};
+  StereoOdometry at_once{StereoOdometryConfig{}};
+  for (std::size_t i = 0; i < 12; ++i) {
+    const auto a = feed(later, i);
+    const auto b = feed(at_once, i);
+    ASSERT_TRUE(at_once.settle());
+    EXPECT_EQ(a.T_odom_body.matrix(), b.T_odom_body.matrix());
+    EXPECT_EQ(a.step_covariance, b.step_covariance);
+    EXPECT_EQ(a.tracked, b.tracked);
+  }
+}
+
+TEST(StereoOdometry, ImagesMayChangeOnceItHasAnswered) {
+  StereoOdometry kept{StereoOdometryConfig{}};
+  StereoOdometry reused{StereoOdometryConfig{}};
+  for (std::size_t i = 0; i < 12; ++i) {
+    cv::Mat left = drive(i).left.clone();
+    cv::Mat right = drive(i).right.clone();
+    const auto a = feed(kept, i);
+    const auto b = reused.update(left, right, robot_camera(), time_of(i));
+    ASSERT_TRUE(b);
+    left.setTo(0);
+    right.setTo(0);
+    EXPECT_EQ(a.T_odom_body.matrix(), b->T_odom_body.matrix()) << i;
   }
 }
 
