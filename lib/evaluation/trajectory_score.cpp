@@ -115,6 +115,11 @@ Isometry align(std::span<const PosePair> pairs, Alignment alignment) {
   return T;
 }
 
+Isometry align_maps(std::span<const PosePair> pairs) {
+  return align(pairs, true_length_m(pairs) >= kShortestWay_m ? Alignment::kLeastSquares
+                                                             : Alignment::kFirstPose);
+}
+
 ErrorStatistics statistics(std::vector<double> errors) {
   std::sort(errors.begin(), errors.end());
   ErrorStatistics result;

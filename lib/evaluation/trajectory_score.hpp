@@ -38,6 +38,13 @@ enum class Alignment {
 /// straight way, a stand), the orientations decide it.
 [[nodiscard]] Isometry align(std::span<const PosePair> pairs, Alignment alignment);
 
+/// A shorter way says nothing of a rotation, nor of a share of it.
+inline constexpr double kShortestWay_m = 1;
+
+/// T_truth_estimate to lay maps over each other by: least squares, but of a way shorter than
+/// kShortestWay_m at the first pair.
+[[nodiscard]] Isometry align_maps(std::span<const PosePair> pairs);
+
 struct ErrorStatistics {
   std::size_t count = 0;
   double rmse = 0;

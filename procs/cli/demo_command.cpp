@@ -1,76 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
-
-#include <cmath>
-#include <cstdio>
 #include <memory>
 
-#include "camera/rig_calibration.hpp"
 #include "procs/cli/command.hpp"
-#include "procs/cli/live_run.hpp"
-#include "procs/cli/map_against_world.hpp"
+#include "procs/cli/demo_run.hpp"
 #include "procs/cli/run_folder.hpp"
-#include "procs/cli/shared_files.hpp"
-#include "simulation/drive_path.hpp"
-#include "simulation/sequence.hpp"
-#include "simulation/world.hpp"
 
 namespace cairn::cli {
 namespace {
 
 struct Options {
-  RunPlan plan;
-  std::string world;
-  int seed = 1;
+  DemoPlan plan;
   bool headless = false;
   bool json = false;
 };
 
-/// The paper's rig: two webcams 25.4 cm apart, 640x480, 60 degrees wide, on a small robot.
-camera::RigCalibration demo_rig() {
-  constexpr int kWidth_px = 640;
-  constexpr int kHeight_px = 480;
-  constexpr double kBaseline_m = 0.254;
-  constexpr double kHeight_m = 0.45;
-  const double f_px = 0.5 * kWidth_px / std::tan(M_PI / 6);
-  Isometry T_body_left = Isometry::Identity();
-  T_body_left.translate(Eigen::Vector3d(0, 0.5 * kBaseline_m, kHeight_m))
-      .rotate(R_body_camera_forward());
-  return camera::rectified_rig(f_px, f_px, 0.5 * (kWidth_px - 1), 0.5 * (kHeight_px - 1),
-                               kBaseline_m, kWidth_px, kHeight_px, T_body_left);
-}
-
-void show_rendering(std::size_t done, std::size_t all) {
-  if (::isatty(STDERR_FILENO) == 0) return;
-  std::fprintf(stderr, "\rrendering what the robot will see: %zu of %zu%s", done, all,
-               done == all ? "\r\033[K" : "");
-}
-
-int demo(Options& options) {
-  if (auto checked = check_config(options.plan); !checked) {
+// All that can be wrong is found before anything starts, or is written.
+int demo(const Options& options) {
+  DemoPlan settled = with_settings(options.plan);
+  if (auto checked = check_config(settled.run); !checked) {
     failed(checked.error().message);
     return kExitUsage;
   }
-  const auto world =
-      simulation::load_world(options.world.empty() ? shared_file("config/worlds/room.yaml")
-                                                   : std::filesystem::path(options.world));
-  if (!world) return failed(world.error().message);
-  const camera::RigCalibration rig = demo_rig();
-  const evaluation::Trajectory path = simulation::drive_round(simulation::room_tour_m(), {});
-  simulation::SequenceConfig sequence;
-  sequence.seed = static_cast<std::uint64_t>(options.seed);
-  const auto folder = RunFolder::open(options.plan);
-  if (!folder) return failed(folder.error().message);
-  std::fprintf(stderr, "rendering %zu views of a room, then driving through it\n", path.size());
-  options.plan.source = options.plan.out / "sequence";
-  const auto rendered =
-      simulation::render_sequence(*world, rig, path, sequence, options.plan.source, show_rendering);
-  if (!rendered) return failed(rendered.error().message);
-  const auto plan = complete(options.plan);
+  auto plan = complete(std::move(settled));
   if (!plan) return failed(plan.error().message);
-  const auto results = run_live(*plan, map_against_world(*world, rig, path));
+  auto place = SimulatedPlace::load(plan->simulator, plan->max_disparity_px);
+  if (!place) return failed(place.error().message);
+  const auto group = plan->fast ? GroupConfig{} : demo_group(*plan);
+  if (!group) return failed(group.error().message);
+  const auto folder = RunFolder::open(plan->run);
+  if (!folder) return failed(folder.error().message);
+  const auto results =
+      plan->fast ? run_fast_demo(*plan, *place) : run_live_demo(*plan, *group, *place);
   if (!results) return failed(results.error().message);
-  print_results(*plan, *results, options.json);
+  print_results(plan->run, *results, options.json);
   return results->report.finished ? 0 : kExitFailure;
 }
 
@@ -78,24 +40,52 @@ int demo(Options& options) {
 
 void add_demo(CLI::App& app, Run& run) {
   auto options = std::make_shared<Options>();
-  options->plan.out = "out/demo";
+  DemoPlan& plan = options->plan;
+  plan.run.out = "out/demo";
+  plan.run.threads = 2;
   CLI::App* command = app.add_subcommand(
-      "demo", "drive once round a rendered room; the live processes see, follow and map it");
-  command->add_option("--world", options->world, "world file; default config/worlds/room.yaml");
-  command->add_option("--seed", options->seed, "of the camera noise")
-      ->check(CLI::Range(0, 1'000'000'000));
+      "demo", "a simulated robot explores a place that it has never seen, and maps it");
+  command->add_option("--world", plan.world, "world file; default config/worlds/room.yaml");
+  command->add_option("--seed", plan.seed, "of all that is random in the simulated world")
+      ->check(CLI::Range(0, 1'000'000'000))
+      ->capture_default_str();
+  command->add_option("--people", plan.people, "how many of the world's people walk about")
+      ->check(CLI::Range(0, 100))
+      ->capture_default_str();
   command->add_flag("--headless", options->headless, "without a web page (there is none yet)");
-  command->add_option("--speed", options->plan.speed, "how many times faster than life")
-      ->check(CLI::Range(0.01, 100.0));
-  command->add_option("--map", options->plan.map, "map file to go on with");
-  command->add_option("--out", options->plan.out, "folder for the results")->capture_default_str();
-  command->add_option("--lcm-url", options->plan.lcm_url, "bus of the processes");
-  command->add_option("--set", options->plan.settings, "PROCESS.KEY=VALUE")
+  auto* fast = command->add_flag(
+      "--fast", plan.fast,
+      "many times faster than life, in one process: true depth and motion with measured errors in "
+      "place of images; for statistics only");
+  command
+      ->add_option("--speed", plan.run.speed,
+                   "how many times faster than life at most; above 1 frames wait for the robot")
+      ->check(CLI::Range(0.1, 50.0))
+      ->capture_default_str()
+      ->excludes(fast);
+  command->add_option("--time-limit", plan.time_limit_s, "ends after so many simulated seconds")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--map", plan.run.map, "map file to go on with");
+  command->add_option("--out", plan.run.out, "folder for the results")->capture_default_str();
+  command->add_option("--config", plan.run.config_file,
+                      "YAML file with a section for each process; default "
+                      "config/robots/simulated.yaml, with --fast simulated-fast.yaml");
+  command->add_option("--set", plan.run.settings, "PROCESS.KEY=VALUE, wins over the file")
       ->allow_extra_args(false);
-  command->add_flag("--record-all", options->plan.record_all,
+  command->add_option("--lcm-url", plan.run.lcm_url, "bus of the processes");
+  command
+      ->add_option("--threads", plan.run.threads,
+                   "threads of a fast run; the result does not depend on it")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_flag("--record-all", plan.run.record_all,
                     "recording.lcmlog gets DISPARITY and MAP_DELTA too");
   command->add_flag("--json", options->json, "print report.json instead of words");
-  command->footer("Example:\n  cairn demo --headless --out out/demo");
+  command->footer(
+      "Examples:\n"
+      "  cairn demo --world config/worlds/apartment.yaml --out out/apartment\n"
+      "  cairn demo --fast --people 2 --seed 7 --world config/worlds/apartment.yaml");
   command->callback([&run, options] { run = [options] { return demo(*options); }; });
 }
 

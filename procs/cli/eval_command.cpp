@@ -211,7 +211,7 @@ std::optional<Isometry> alignment_by_trajectories(const Options& options) {
   if (!estimate || !reference) return std::nullopt;
   const auto pairs = evaluation::associate(*estimate, *reference);
   if (pairs.empty()) return std::nullopt;
-  return evaluation::align(pairs, evaluation::Alignment::kLeastSquares);
+  return evaluation::align_maps(pairs);
 }
 
 int eval_map(const Options& options) {

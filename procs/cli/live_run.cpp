@@ -15,6 +15,7 @@
 #include "core/child_process.hpp"
 #include "core/start_program.hpp"
 #include "procs/cli/recording_player.hpp"
+#include "procs/cli/source_truth.hpp"
 
 namespace cairn::cli {
 namespace {
@@ -35,7 +36,7 @@ class LiveGroup {
         stop_{stop},
         node_("replay", bus, clock, {}, std::random_device{}()) {}
 
-  Result<RunResults> run(const ScoreMap& score_map) {
+  Result<RunResults> run() {
     auto recorder = RunRecorder::create(node_, plan_.out / "recording.lcmlog", plan_.record_all);
     if (!recorder) return tl::make_unexpected(recorder.error());
     recorder_ = std::move(*recorder);
@@ -46,10 +47,12 @@ class LiveGroup {
       if (auto started = start(process); !started) return tl::make_unexpected(started.error());
     }
     if (auto ready = wait_until_heard(); !ready) return tl::make_unexpected(ready.error());
-    const HostTime begin_us = clock_.now_us();
     if (auto played = play(); !played) return tl::make_unexpected(played.error());
-    const HostTime end_us = clock_.now_us();
-    RunEnd end{true, "the recording is at its end", true, std::nullopt};
+    RunEnd end;
+    end.finished = true;
+    end.reason = "the recording is at its end";
+    end.live = true;
+    end.realtime_factor = recorder_->realtime_factor();
     if (stop_.arrived()) {
       end.finished = false;
       end.reason = "stopped before the recording's end";
@@ -57,13 +60,9 @@ class LiveGroup {
       wait_until_quiet();
     }
     stop();
-    const evaluation::Trajectory& trajectory = recorder_->trajectory();
-    if (trajectory.size() > 1 && end_us > begin_us) {
-      end.realtime_factor =
-          static_cast<double>(trajectory.back().utime - trajectory.front().utime) /
-          static_cast<double>(end_us - begin_us);
-    }
-    return write_results(plan_, *recorder_, end, score_map);
+    const auto truth = source_truth(plan_);
+    if (!truth) return tl::make_unexpected(truth.error());
+    return write_results(plan_, *recorder_, end, *truth);
   }
 
  private:
@@ -183,14 +182,14 @@ class LiveGroup {
 
 }  // namespace
 
-Result<RunResults> run_live(const RunPlan& plan, const ScoreMap& score_map) {
+Result<RunResults> run_live(const RunPlan& plan) {
   std::error_code error;
   std::filesystem::create_directories(plan.out / "log", error);
   bus::StopSignal stop;
   const auto bus = bus::open_bus(plan.lcm_url);
   if (!bus) return tl::make_unexpected(bus.error());
   const bus::SteadyClock clock;
-  return LiveGroup(plan, **bus, clock, stop).run(score_map);
+  return LiveGroup(plan, **bus, clock, stop).run();
 }
 
 }  // namespace cairn::cli

@@ -10,6 +10,6 @@ namespace cairn::cli {
 /// mapper, waits until each has been heard, plays the source at plan.speed, waits until its last
 /// frame is worked off, stops them, reports. What a process prints lands in
 /// plan.out/log/PROCESS.log.
-[[nodiscard]] Result<RunResults> run_live(const RunPlan& plan, const ScoreMap& score_map = {});
+[[nodiscard]] Result<RunResults> run_live(const RunPlan& plan);
 
 }  // namespace cairn::cli

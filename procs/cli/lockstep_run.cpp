@@ -11,6 +11,7 @@
 #include "procs/cli/lockstep_group.hpp"
 #include "procs/cli/recording_player.hpp"
 #include "procs/cli/run_processes.hpp"
+#include "procs/cli/source_truth.hpp"
 #include "procs/cli/truth.hpp"
 #include "procs/cli/truth_poses.hpp"
 
@@ -101,10 +102,12 @@ Result<RunResults> run_lockstep(const RunPlan& plan) {
   if (auto built = group.build(); !built) return tl::make_unexpected(built.error());
   const auto finished = group.run();
   if (!finished) return tl::make_unexpected(finished.error());
-  const RunEnd end{*finished,
-                   *finished ? "the recording is at its end" : "stopped before the recording's end",
-                   false, std::nullopt};
-  return write_results(plan, group.recorder(), end);
+  const auto truth = source_truth(plan);
+  if (!truth) return tl::make_unexpected(truth.error());
+  RunEnd end;
+  end.finished = *finished;
+  end.reason = *finished ? "the recording is at its end" : "stopped before the recording's end";
+  return write_results(plan, group.recorder(), end, *truth);
 }
 
 }  // namespace cairn::cli

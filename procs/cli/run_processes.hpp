@@ -6,8 +6,10 @@
 #include "procs/guard/guard_node.hpp"
 #include "procs/localizer/localizer_node.hpp"
 #include "procs/mapper/mapper_node.hpp"
+#include "procs/motor/motor_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
 #include "procs/planner/planner_node.hpp"
+#include "procs/simulator/simulator_node.hpp"
 #include "procs/stereo/stereo_node.hpp"
 
 namespace cairn::cli {
@@ -23,7 +25,8 @@ template <class Visit>
   (void)(go_on.template operator()<CameraNode>() && go_on.template operator()<StereoNode>() &&
          go_on.template operator()<OdometryNode>() && go_on.template operator()<LocalizerNode>() &&
          go_on.template operator()<MapperNode>() && go_on.template operator()<PlannerNode>() &&
-         go_on.template operator()<GuardNode>());
+         go_on.template operator()<GuardNode>() && go_on.template operator()<MotorNode>() &&
+         go_on.template operator()<SimulatorNode>());
   return result;
 }
 

@@ -44,17 +44,9 @@ RunRecorder::RunRecorder(bus::Node& node, std::optional<bus::RecordingWriter> wr
 
 void RunRecorder::hear(const bus::RawMessage& raw) {
   keep(raw);
-  if (raw.channel == channels::StereoFrame::name || raw.channel == channels::Disparity::name) {
-    const auto header = bus::peek_header(raw.bytes);
-    if (!header) return;
-    // Of a depth recording DISPARITY is the frame; else STEREO_FRAME came first.
-    if (frame_sent_us_.try_emplace(header->utime, header->sent_steady_us).second) {
-      ++frames_;
-      not_mapped_yet_.emplace(header->utime, header->sent_steady_us);
-      not_corrected_yet_.emplace(header->utime, header->sent_steady_us);
-    }
-    last_result_us_ = node_.host_time();
-  }
+  count_missed(raw);
+  if (raw.channel == channels::StereoFrame::name || raw.channel == channels::Disparity::name)
+    hear_frame(raw);
   if (raw.channel == channels::Odometry::name) hear_odometry(raw);
   if (raw.channel == channels::Pose::name) hear_pose(raw);
   if (raw.channel == channels::MapDelta::name) hear_map(raw);
@@ -62,6 +54,44 @@ void RunRecorder::hear(const bus::RawMessage& raw) {
   if (raw.channel == channels::Truth::name) hear_truth(raw);
   if (raw.channel == channels::SimState::name) hear_contacts(raw);
   if (raw.channel == channels::PlanState::name) hear_plan(raw);
+}
+
+// Of a depth recording, and of a fast run, DISPARITY is the frame; else STEREO_FRAME came first.
+void RunRecorder::hear_frame(const bus::RawMessage& raw) {
+  const auto header = bus::peek_header(raw.bytes);
+  if (!header) return;
+  last_result_us_ = node_.host_time();
+  if (!frame_sent_us_.try_emplace(header->utime, header->sent_steady_us).second) return;
+  ++frames_;
+  not_mapped_yet_.emplace(header->utime, header->sent_steady_us);
+  not_corrected_yet_.emplace(header->utime, header->sent_steady_us);
+  if (!first_frame_) {
+    first_frame_ = newest_frame_ = {header->utime, header->sent_steady_us};
+  } else if (header->utime > newest_frame_.utime) {
+    newest_frame_ = {header->utime, header->sent_steady_us};
+  } else if (header->utime < newest_frame_.utime - kMicrosecondsPerSecond) {
+    set_back_ = true;
+  }
+}
+
+std::int64_t RunRecorder::duration_us() const {
+  return first_frame_ ? newest_frame_.utime - first_frame_->utime : 0;
+}
+
+std::optional<double> RunRecorder::realtime_factor() const {
+  if (!first_frame_ || newest_frame_.sent_us <= first_frame_->sent_us) return std::nullopt;
+  return static_cast<double>(duration_us()) /
+         static_cast<double>(newest_frame_.sent_us - first_frame_->sent_us);
+}
+
+void RunRecorder::count_missed(const bus::RawMessage& raw) {
+  const auto header = bus::peek_header(raw.bytes);
+  if (!header) return;
+  const auto [last, fresh] =
+      last_sequence_.try_emplace({raw.channel, header->session}, header->sequence);
+  if (fresh) return;
+  if (header->sequence > last->second) missed_ += header->sequence - last->second - 1;
+  last->second = header->sequence;
 }
 
 void RunRecorder::keep(const bus::RawMessage& raw) {
@@ -92,10 +122,32 @@ void RunRecorder::hear_pose(const bus::RawMessage& raw) {
   const auto message = bus::decode<pose_t>(raw.bytes);
   if (!message) return;
   if (poses_.empty()) frame_to_pose_ms_.clear();
-  append(poses_, message->header.utime, messages::to_isometry(message->T_map_body, "T_map_body"));
+  const auto T_map_body = messages::to_isometry(message->T_map_body, "T_map_body");
+  const auto T_map_odom = messages::to_isometry(message->T_map_odom, "T_map_odom");
+  if (!T_map_body || !T_map_odom) return;
+  const std::size_t before = poses_.size();
+  append(poses_, message->header.utime, T_map_body);
+  if (poses_.size() > before) {
+    corrections_.push_back({*T_map_odom, T_map_odom->inverse() * *T_map_body,
+                            message->correction_utime, message->epoch});
+  }
   add_latency(message->header.utime, message->header.sent_steady_us, frame_to_pose_ms_);
   add_latencies(not_corrected_yet_, message->correction_utime, message->header.sent_steady_us,
                 frame_to_correction_ms_);
+}
+
+evaluation::Trajectory RunRecorder::final_trajectory() const {
+  if (poses_.empty()) return odometry_;
+  evaluation::Trajectory final = poses_;
+  std::size_t later = 0;
+  for (std::size_t i = 0; i < final.size(); ++i) {
+    later = std::max(later, i);
+    while (later < corrections_.size() && corrections_[later].rests_on < final[i].utime) ++later;
+    if (later == corrections_.size()) break;
+    if (corrections_[later].epoch == corrections_[i].epoch)
+      final[i].T = corrections_[later].T_map_odom * corrections_[i].T_odom_body;
+  }
+  return final;
 }
 
 void RunRecorder::add_latencies(std::map<Utime, HostTime>& waiting, Utime through, HostTime sent_us,
@@ -143,6 +195,20 @@ std::map<std::string, std::uint64_t> RunRecorder::restarts() const {
     if (process != node_.process()) restarts[process] = sessions.size() - 1;
   }
   return restarts;
+}
+
+std::map<std::string, double> RunRecorder::cpu_cores() const {
+  std::map<std::string, double> cores;
+  for (const auto& [process, sessions] : sessions_) {
+    double cpu_s = 0;
+    double uptime_s = 0;
+    for (const auto& [session, status] : sessions) {
+      cpu_s += status.cpu_s;
+      uptime_s += 1e-6 * static_cast<double>(status.uptime_us);
+    }
+    if (uptime_s > 0) cores[process] = cpu_s / uptime_s;
+  }
+  return cores;
 }
 
 template <class Count>

@@ -35,6 +35,11 @@ class RunRecorder {
     return poses_.empty() ? odometry_ : poses_;
   }
 
+  /// The same after the fact: ODOMETRY under the first correction that rests on that frame itself
+  /// or a later one, where POSE had to do with an earlier one. Of frames that nothing later
+  /// corrects in their epoch it is what was published.
+  [[nodiscard]] evaluation::Trajectory final_trajectory() const;
+
   /// True poses in the world's frame, where a simulator tells them.
   [[nodiscard]] const evaluation::Trajectory& truth() const { return truth_; }
   /// How often the robot began to touch something while it moved; nothing without a simulator.
@@ -51,18 +56,41 @@ class RunRecorder {
   [[nodiscard]] const std::vector<double>& frame_to_map_ms() const { return frame_to_map_ms_; }
 
   [[nodiscard]] std::int64_t frames() const { return frames_; }
+  /// Data time from the first frame to the newest [us].
+  [[nodiscard]] std::int64_t duration_us() const;
+  /// Data time per host time, over the frames; nothing before the second.
+  [[nodiscard]] std::optional<double> realtime_factor() const;
+  /// Whether data time was set back: the source began anew.
+  [[nodiscard]] bool set_back() const { return set_back_; }
   [[nodiscard]] HostTime last_result_us() const { return last_result_us_; }
   [[nodiscard]] bool heard(const std::string& process) const { return sessions_.contains(process); }
   /// How often a process began anew.
   [[nodiscard]] std::map<std::string, std::uint64_t> restarts() const;
+  /// Processor time of each process per time that it ran, as it says itself: 1 is one core.
+  [[nodiscard]] std::map<std::string, double> cpu_cores() const;
   /// Sums over all processes and their runs, by channel.
   [[nodiscard]] std::map<std::string, std::uint64_t> lost() const;
   [[nodiscard]] std::map<std::string, std::uint64_t> skipped() const;
   [[nodiscard]] std::map<std::string, std::uint64_t> refused() const;
+  /// Messages that did not reach this listener itself: the recording lacks them.
+  [[nodiscard]] std::int64_t missed() const { return missed_; }
 
  private:
+  struct Moment {
+    Utime utime;
+    HostTime sent_us;
+  };
+  struct Correction {
+    Isometry T_map_odom;
+    Isometry T_odom_body;
+    Utime rests_on;
+    std::int32_t epoch;
+  };
+
   void hear(const bus::RawMessage& raw);
   void keep(const bus::RawMessage& raw);
+  void hear_frame(const bus::RawMessage& raw);
+  void count_missed(const bus::RawMessage& raw);
   void hear_odometry(const bus::RawMessage& raw);
   void hear_pose(const bus::RawMessage& raw);
   void hear_map(const bus::RawMessage& raw);
@@ -82,6 +110,7 @@ class RunRecorder {
   bool all_;
   evaluation::Trajectory odometry_;
   evaluation::Trajectory poses_;
+  std::vector<Correction> corrections_;  ///< of each of poses_
   evaluation::Trajectory truth_;
   std::optional<std::uint64_t> collisions_;
   std::optional<plan_state_t> plan_state_;
@@ -92,6 +121,12 @@ class RunRecorder {
   std::vector<double> frame_to_correction_ms_;
   std::vector<double> frame_to_map_ms_;
   std::int64_t frames_ = 0;
+  std::optional<Moment> first_frame_;
+  Moment newest_frame_;
+  bool set_back_ = false;
+  std::map<std::pair<std::string, std::int64_t>, std::int32_t>
+      last_sequence_;  ///< by channel and session
+  std::int64_t missed_ = 0;
   HostTime last_result_us_ = 0;
   std::map<std::string, std::map<std::int64_t, process_status_t>>
       sessions_;  ///< newest status of each run

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "evaluation/report.hpp"
 #include "evaluation/trajectory_score.hpp"
-#include "mapping/voxel_map.hpp"
 #include "procs/cli/run_plan.hpp"
 #include "procs/cli/run_recorder.hpp"
+#include "procs/cli/run_truth.hpp"
 
 namespace cairn::cli {
 
@@ -25,17 +26,16 @@ struct RunResults {
 struct RunEnd {
   bool finished = false;
   std::string reason;
-  bool latencies_count = false;  ///< host time was real
+  std::string mode = "full";
+  bool live = false;  ///< processes of their own, in host time: latencies and processor time count
   std::optional<double> realtime_factor;
+  std::map<std::string, std::uint64_t> restarts;  ///< where more is known than was heard
 };
 
-/// Scores the map of a run; `T_truth_map` lays it over the truth. Only what is measured is set.
-using ScoreMap = std::function<Result<evaluation::MapReport>(const mapping::VoxelMap& map,
-                                                             const Isometry& T_truth_map)>;
-
-/// Writes trajectory.tum, truth.tum, map.cairn, map.png and report.json into plan.out.
+/// Writes trajectory.tum, trajectory_final.tum, truth.tum, map.cairn, map.png and report.json into
+/// plan.out.
 [[nodiscard]] Result<RunResults> write_results(const RunPlan& plan, const RunRecorder& recorder,
-                                               const RunEnd& end, const ScoreMap& score_map = {});
+                                               const RunEnd& end, const RunTruth& truth);
 
 /// The same on standard output: report.json itself, or words for people.
 void print_results(const RunPlan& plan, const RunResults& results, bool json);

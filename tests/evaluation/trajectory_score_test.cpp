@@ -130,6 +130,21 @@ TEST(Align, StandingStillTheOrientationsDecideAll) {
   EXPECT_LT((T.matrix() - some_transform().matrix()).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+TEST(AlignMaps, TurningOnTheSpotThePositionsNoiseTurnsNothing) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise_m(0, 0.002);
+  std::vector<PosePair> pairs;
+  for (int i = 0; i < 60; ++i) {
+    PosePair pair{i, at(1, 2, 0.1 * i), at(1, 2, 0.1 * i)};
+    pair.truth.translation().x() += 0.001 * std::sin(0.1 * i);
+    if (i > 0) pair.estimate.translation() += Eigen::Vector3d(noise_m(random), noise_m(random), 0);
+    pairs.push_back(pair);
+  }
+  EXPECT_LT((align_maps(pairs).matrix() - Isometry::Identity().matrix()).norm(), 1e-9);
+  const auto way = noisy_way(100);
+  EXPECT_EQ(align_maps(way).matrix(), align(way, Alignment::kLeastSquares).matrix());
+}
+
 TEST(AbsoluteError, ByHand) {
   // A square's corners; the estimate of one of them is off. Truth (0,0) (1,0) (1,1) (0,1); estimate
   // shifted by (5, 0), and the corners alternately 0.1 m outwards along the diagonal and inwards:
