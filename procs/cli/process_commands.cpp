@@ -4,6 +4,7 @@
 
 #include "procs/cli/command.hpp"
 #include "procs/cli/group_session.hpp"
+#include "procs/cli/stop_robot.hpp"
 
 namespace cairn::cli {
 namespace {
