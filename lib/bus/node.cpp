@@ -269,7 +269,9 @@ void Node::do_one() {
   Work work = std::move(pending_.front());
   pending_.pop_front();
   const HostTime start_us = clock_.now_us();
-  counts_.find(work.inbox->channel)->second.latency.add(start_us - work.sent_us);
+  // A time of sending may be forged; the difference must not overflow.
+  counts_.find(work.inbox->channel)
+      ->second.latency.add(start_us - std::max<HostTime>(0, work.sent_us));
   guarded(work.inbox->channel, work.act);
   // Ticks are no work; they would hide what the work takes.
   if (work.inbox->channel != channels::Clock::name) work_.add(clock_.now_us() - start_us);

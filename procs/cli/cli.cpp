@@ -24,7 +24,7 @@ int run(int argc, char** argv) {
   Run run;
   for (const auto add :
        {add_demo, add_up, add_keep, add_down, add_ps, add_process_words, add_output, add_replay,
-        add_record, add_stereo, add_eval, add_map, add_spy}) {
+        add_record, add_stereo, add_eval, add_map, add_spy, add_release, add_drive, add_motor}) {
     add(app, run);
   }
   // The script in the root does this one before it gets here; it is listed for people.

@@ -23,8 +23,12 @@ void add_up(CLI::App& app, Run& run);
 void add_keep(CLI::App& app, Run& run);
 void add_down(CLI::App& app, Run& run);
 void add_ps(CLI::App& app, Run& run);
-void add_process_words(CLI::App& app, Run& run);  ///< start, stop, restart
+void add_process_words(CLI::App& app,
+                       Run& run);  ///< start, stop, restart; stop without a name: STOP
 void add_output(CLI::App& app, Run& run);
+void add_release(CLI::App& app, Run& run);
+void add_drive(CLI::App& app, Run& run);
+void add_motor(CLI::App& app, Run& run);
 
 /// Prints why, and gives the exit code of a failure.
 int failed(const std::string& message);

@@ -4,6 +4,7 @@
 
 #include "procs/cli/command.hpp"
 #include "procs/cli/group_session.hpp"
+#include "procs/cli/stop_robot.hpp"
 
 namespace cairn::cli {
 namespace {
@@ -115,11 +116,31 @@ void add_word(CLI::App& app, Run& run, const char* word, const char* help,
   });
 }
 
+void add_stop(CLI::App& app, Run& run) {
+  auto process = std::make_shared<std::string>();
+  auto lcm_url = std::make_shared<std::string>();
+  CLI::App* command =
+      app.add_subcommand("stop",
+                         "STOP the robot: it holds still, over every restart, until a person "
+                         "releases it; with a name: end that process");
+  command->add_option("process", *process,
+                      "a process of the group, to be ended until it is started again");
+  command->add_option("--lcm-url", *lcm_url, "bus of the robot");
+  command->footer("Example:\n  cairn stop\n  cairn stop mapper");
+  command->callback([&run, process, lcm_url] {
+    run = [process, lcm_url] {
+      if (process->empty()) return stop_robot(*lcm_url);
+      const auto subject = find(*process, *lcm_url);
+      return subject ? stop(*subject) : failed(subject.error().message);
+    };
+  });
+}
+
 }  // namespace
 
 void add_process_words(CLI::App& app, Run& run) {
   add_word(app, run, "start", "run a process of the group", start);
-  add_word(app, run, "stop", "end a process of the group, until it is started again", stop);
+  add_stop(app, run);
   add_word(app, run, "restart", "end a process of the group and run it again", restart);
 }
 

@@ -6,6 +6,7 @@
 #include <cairn/drive_command_t.hpp>
 #include <cairn/stop_t.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "bus/node.hpp"
@@ -90,7 +91,7 @@ class MotorNode {
   std::string guards_reason_;
   std::string seen_why_;  ///< why it stood still at the last look
   HostTime seen_since_us_ = 0;
-  std::string logged_why_;
+  std::optional<std::string> logged_why_;
 };
 
 }  // namespace cairn

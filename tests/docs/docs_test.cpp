@@ -11,6 +11,7 @@
 #include "core/config.hpp"
 #include "procs/camera/camera_node.hpp"
 #include "procs/mapper/mapper_node.hpp"
+#include "procs/motor/motor_node.hpp"
 #include "procs/odometry/odometry_node.hpp"
 #include "procs/simulator/simulator_node.hpp"
 #include "procs/stereo/stereo_node.hpp"
@@ -77,7 +78,7 @@ TEST(Docs, TheConfigReferenceIsTheCode) {
               section<CameraConfig>("camera") + section<SimulatorConfig>("simulator") +
                   section<StereoNode::Config>("stereo") +
                   section<OdometryNode::Config>("odometry") + section<MapperConfig>("mapper") +
-                  section<SupervisorConfig>("supervisor") + "\n");
+                  section<MotorConfig>("motor") + section<SupervisorConfig>("supervisor") + "\n");
 }
 
 template <class Config>
@@ -107,6 +108,7 @@ TEST(Docs, EveryShippedRobotLoads) {
     expect_loads<StereoNode::Config>(entry.path(), "stereo");
     expect_loads<OdometryNode::Config>(entry.path(), "odometry");
     expect_loads<MapperConfig>(entry.path(), "mapper");
+    expect_loads<MotorConfig>(entry.path(), "motor");
   }
   EXPECT_GE(files, 3);
 }
