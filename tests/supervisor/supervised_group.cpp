@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "supervisor/supervised_group.hpp"
 
-#include <poll.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -12,23 +11,13 @@
 
 #include "core/start_program.hpp"
 #include "procs/cli/group_plan.hpp"
+#include "supervisor/processes_of_run.hpp"
 
 namespace cairn::testing {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 constexpr std::int64_t kSpin_us = 5'000;
-
-std::string command_line(const fs::path& process) {
-  std::ifstream file(process / "cmdline", std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  std::string line = text.str();
-  std::replace(line.begin(), line.end(), '\0', ' ');
-  return line;
-}
 
 }  // namespace
 
@@ -46,12 +35,7 @@ SupervisedGroup::SupervisedGroup(const std::vector<std::string>& processes)
 
 SupervisedGroup::~SupervisedGroup() {
   kept_.reset();
-  for (int tries = 0; tries < 500 && !pids_in_proc().empty(); ++tries) {
-    for (const pid_t pid : pids_in_proc()) ::kill(pid, SIGKILL);
-    ::poll(nullptr, 0, 10);
-    while (::waitpid(-1, nullptr, WNOHANG) > 0) {
-    }
-  }
+  kill_processes_of(run());
 }
 
 void SupervisedGroup::start() {
@@ -115,18 +99,10 @@ std::string SupervisedGroup::log_of(const std::string& process) const {
   return text.str();
 }
 
-std::multiset<pid_t> SupervisedGroup::pids_in_proc() const { return pids_in_proc(""); }
+std::multiset<pid_t> SupervisedGroup::pids_in_proc() const { return processes_of(run()); }
 
 std::multiset<pid_t> SupervisedGroup::pids_in_proc(const std::string& process) const {
-  const std::string wanted =
-      process.empty() ? run().string() : (run() / "state" / process).string() + " ";
-  std::multiset<pid_t> pids;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    const std::string name = entry.path().filename();
-    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    if (command_line(entry.path()).find(wanted) != std::string::npos) pids.insert(std::stoi(name));
-  }
-  return pids;
+  return processes_with((run() / "state" / process).string() + " ");
 }
 
 double percentile(std::vector<double> values, double share) {

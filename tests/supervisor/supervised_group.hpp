@@ -53,7 +53,7 @@ class SupervisedGroup {
   [[nodiscard]] const Result<void>& supervisor_error() const { return error_; }
   [[nodiscard]] std::string log_of(const std::string& process) const;
 
-  /// Pids of all processes whose command line names this run, from /proc: the independent truth.
+  /// Of all processes of this run, and of one of its processes, from /proc.
   [[nodiscard]] std::multiset<pid_t> pids_in_proc() const;
   [[nodiscard]] std::multiset<pid_t> pids_in_proc(const std::string& process) const;
 
