@@ -27,7 +27,7 @@ class LiveDemo : public ::testing::Test {
 
   [[nodiscard]] std::vector<std::string> demo(const std::string& boxes) const {
     return {"demo",      "--headless", "--world",      small_world(folder_.path(), boxes),
-            "--lcm-url", kStockUrl,    "--time-limit", "240",
+            "--lcm-url", kStockUrl,    "--time-limit", "500",
             "--out",     out()};
   }
   [[nodiscard]] fs::path out() const { return folder_.path() / "out"; }
@@ -119,7 +119,7 @@ TEST_F(LiveDemo, GoesOnWhicheverOfItsProcessesIsKilled) {
   }
   ASSERT_TRUE(after_more_frames()) << listener.output("demo");
   ASSERT_EQ(::kill(group.state()->pid, SIGKILL), 0) << "supervisor";
-  ASSERT_TRUE(listener.listen_until([&] { return fs::exists(out() / "report.json"); }, 400));
+  ASSERT_TRUE(listener.listen_until([&] { return fs::exists(out() / "report.json"); }, 600));
   const int code = listener.wait("demo");
   expect_good({code, listener.output("demo")});
   EXPECT_GE(report_of(out())["trajectory"]["length_m"], 1.0) << "it drove";
