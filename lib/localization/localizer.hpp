@@ -27,9 +27,9 @@ struct LocalizerConfig {
   FilterConfig filter;
   int field_blocks = 300;
   bool begin_lost = false;
-  double fits_share = 0.5;
-  double lost_share = 0.25;
-  double lost_after_s = 2;
+  double fits_share = 0.6;
+  double lost_share = 0.4;
+  double lost_after_s = 0.5;
   double rival_better = 0.1;
   int rival_views = 8;
   int seed = 1;
@@ -43,7 +43,8 @@ struct LocalizerConfig {
         "begin_lost", begin_lost,
         "find the place in a loaded map, from nowhere; false: the map begins where the robot is");
     v.number("fits_share", fits_share, {0.05, 1}, "",
-             "share of the points that must end at a surface of the map for a place to be sure");
+             "share of the points on things that stand that must end at a surface of the map for a "
+             "place to be taken");
     v.number("lost_share", lost_share, {0, 1}, "",
              "with a share under this the robot is not where it thinks");
     v.number("lost_after_s", lost_after_s, {0.1, 60}, "s", "after so long of that it is lost");
@@ -119,23 +120,35 @@ class Localizer {
 
   void take_motion(const Step& step);
   void refresh_field(const View& view);
-  [[nodiscard]] bool map_shows_enough(const Fit& fit, const View& view) const;
-  void weigh(const MapView& map, const View& view, const Fit& fit);
-  void consider_rival(const MapView& map, const View& view, const Fit& fit);
+  /// Whether the map says anything about a view from there; how much of what stands it bears out;
+  /// whether that is enough.
+  [[nodiscard]] static bool shown(const Fit& fit, const View& view);
+  [[nodiscard]] static double share(const Fit& fit);
+  [[nodiscard]] bool fits(const Fit& fit, const View& view) const;
+  void be_at(const PoseBelief& pose);
+  void look_around(const MapView& map, const View& view, const Fit& fit);
+  void consider_rival(const MapView& map, const View& view, const Fit& fit,
+                      const std::vector<Cluster>& clusters);
   void judge(const View& view, const Fit& fit);
-  [[nodiscard]] bool another_place_fits(const View& view, const Fit& fit) const;
+  [[nodiscard]] bool another_place_fits(const View& view,
+                                        const std::vector<Cluster>& clusters) const;
 
   LocalizerConfig config_;
   OdometryChain chain_;
   CorrectionSchedule schedule_;
   std::deque<Step> steps_;  ///< not taken into the belief yet
-  PoseBelief belief_;       ///< at the last frame seen
+  PoseBelief belief_;       ///< at belief_utime_, the last frame seen
+  Utime belief_utime_ = 0;
   ParticleFilter filter_;
   DistanceField field_;
   Surfaces surfaces_;
   Certainty certainty_ = Certainty::kTracking;
-  bool search_ = false;  ///< all over the map, as soon as it shows free space
+  bool search_ = false;     ///< all over the map, as soon as it shows free space
+  bool forgotten_ = false;  ///< the belief is of no account
+  bool looks_alike_ = false;
+  int fits_again_ = 0;  ///< views in a row that fit from where the belief is
   std::optional<Utime> misfit_since_;
+  Isometry rival_ = Isometry::Identity();  ///< where it may be instead
   int rival_views_ = 0;
   std::int64_t relocalised_ = 0;
 };

@@ -26,7 +26,7 @@ Motion OdometryChain::put(const OdometryFrame& frame) {
   if (last_) {
     const double gap_s = std::clamp(to_seconds(frame.utime - last_->utime), 0.0, kMostBlind_s);
     motion.T_from_to = last_->T_odom_body.inverse() * frame.T_odom_body;
-    motion.covariance = frame.step_covariance;
+    motion.covariance = motion.claimed = frame.step_covariance;
     if (frame.epoch != last_->epoch && begins_anew(frame, motion.T_from_to, gap_s)) {
       motion.jumped = true;
       motion.T_from_to = Isometry::Identity();

@@ -20,8 +20,8 @@ struct OdometryFrame {
 };
 
 struct MotionConfig {
-  double drift_m = 0.007;
-  double drift_rad = 0.005;
+  double drift_m = 0.005;
+  double drift_rad = 0.003;
   double turn_share = 0.01;
   double blind_speed_mps = 0.3;
   double blind_turn_radps = 0.6;
@@ -43,6 +43,7 @@ struct MotionConfig {
 struct Motion {
   Isometry T_from_to = Isometry::Identity();
   Matrix6d covariance = Matrix6d::Zero();  ///< of T_from_to, axes of `to`
+  Matrix6d claimed = Matrix6d::Zero();     ///< what odometry itself says of that
   bool jumped = false;                     ///< unseen: a new epoch in a frame of its own
 };
 

@@ -31,6 +31,9 @@ constexpr double kHalfBin = 0.5;
 constexpr double kLately = 0.1;
 constexpr double kUsually = 0.005;
 constexpr double kMostRandom = 0.3;
+/// Log-likelihoods this near to the best one differ by what the map gets wrong, not by where the
+/// guess is: two places that look alike stay two.
+constexpr double kNoWorse = 0.4;
 /// Roll and pitch of a cluster: known from odometry to about this.
 constexpr double kTiltSigma_rad = 0.01;
 
@@ -160,6 +163,10 @@ ParticleFilter::Update ParticleFilter::weigh(const DistanceField& field, const V
   if (particles_.empty() || view.beams.empty() || field.cell_m() <= 0) return update;
   if (weighed_ && way_m_ < config_.weigh_every_m && turned_rad_ < config_.weigh_every_rad)
     return update;
+  // A view is worth what is new in it: the same errors of the map, seen again, are no news.
+  const double news =
+      weighed_ ? std::min(1.0, way_m_ / config_.new_view_m + turned_rad_ / config_.new_view_rad)
+               : 1;
   update.weighed = weighed_ = true;
   way_m_ = turned_rad_ = 0;
   const double sparse =
@@ -174,7 +181,8 @@ ParticleFilter::Update ParticleFilter::weigh(const DistanceField& field, const V
   double mean_log = 0;
   for (std::size_t i = 0; i < particles_.size(); ++i) {
     mean_log += particles_[i].weight * logs[i];
-    particles_[i].weight *= std::exp(logs[i] - best);
+    const double worse = std::max(0.0, best - logs[i] - kNoWorse);
+    particles_[i].weight *= std::exp(-news * worse);
     sum += particles_[i].weight;
   }
   update.mean_fit = model.mean_likelihood(mean_log);

@@ -30,6 +30,8 @@ struct FilterConfig {
   double jitter_rad = 0.006;
   double weigh_every_m = 0.05;
   double weigh_every_rad = 0.05;
+  double new_view_m = 0.5;
+  double new_view_rad = 0.4;
   SensorConfig sensor;
 
   void visit(ConfigVisitor& v) {
@@ -51,6 +53,10 @@ struct FilterConfig {
     v.number("weigh_every_m", weigh_every_m, {0, 5}, "m",
              "views are weighed when it has moved so far: one that stands sees nothing new");
     v.number("weigh_every_rad", weigh_every_rad, {0, 3}, "rad", "or turned so far");
+    v.number("new_view_m", new_view_m, {0.01, 20}, "m",
+             "having moved so far it sees other things; with less, a view counts by its share of "
+             "this");
+    v.number("new_view_rad", new_view_rad, {0.01, 7}, "rad", "or having turned so far, likewise");
     v.group("sensor", sensor, "how guesses are compared with what is seen");
   }
 };

@@ -74,7 +74,7 @@ PoseBelief moved(const PoseBelief& belief, const Motion& motion) {
   Matrix6d into_map = Matrix6d::Zero();
   into_map.topLeftCorner<3, 3>() = into_map.bottomRightCorner<3, 3>() = R;
   joint.topLeftCorner<6, 6>() += into_map * motion.covariance * into_map.transpose();
-  loosen_bias(joint.bottomRightCorner<4, 4>(), said, motion.covariance);
+  loosen_bias(joint.bottomRightCorner<4, 4>(), said, motion.claimed);
   after.covariance = joint.topLeftCorner<6, 6>();
   after.bias_with_pose = joint.bottomLeftCorner<4, 6>();
   after.bias_covariance = joint.bottomRightCorner<4, 4>();

@@ -21,6 +21,8 @@ constexpr double kLeastSoftness_m = 0.004;
 constexpr double kSettled_m = 2e-4;
 /// Fit is told at the scale of a cell; a hit lies within this many.
 constexpr double kHit_cells = 1.25;
+/// What is this much over the floor stands on it.
+constexpr double kStanding_m = 0.15;
 constexpr double kBetter = 1e-3;  // of the cost: less is no improvement
 
 /// How far behind a surface the middle of its voxels lies, as one sees it: rays that graze it eat
@@ -184,7 +186,8 @@ Fit fit_of(const DistanceField& field, const View& view, const Isometry& T_map_b
   DistanceField::Cursor cells{field};
   const double cell_m = field.cell_m();
   for (const Beam& beam : view.beams) {
-    const std::uint8_t there = cells.at(field.cell_at(T_map_body * beam.point_m));
+    const Eigen::Vector3d end = T_map_body * beam.point_m;
+    const std::uint8_t there = cells.at(field.cell_at(end));
     const double away_m =
         (there & ~DistanceField::kUnknownBit) * cell_m / DistanceField::kStepsPerCell;
     const double scale_m = std::hypot(kHit_cells * cell_m, 2 * beam.sigma_m);
@@ -194,6 +197,9 @@ Fit fit_of(const DistanceField& field, const View& view, const Isometry& T_map_b
     ++fit.known;
     fit.hits += hit ? 1 : 0;
     fit.cost += e / (1 + e);
+    if (end.z() < T_map_body.translation().z() + kStanding_m) continue;
+    ++fit.standing_known;
+    fit.standing_hits += hit ? 1 : 0;
   }
   if (fit.known > 0) fit.cost /= fit.known;
   return fit;

@@ -21,12 +21,12 @@ struct MapView {
 
 /// How well a view fits the map from a pose.
 struct Fit {
-  int known = 0;    ///< beams that end where the map knows something
-  int hits = 0;     ///< of them, those that end at a surface
+  int known = 0;  ///< beams that end where the map knows something
+  int hits = 0;   ///< of them, those that end at a surface
+  /// The same for beams that end well over the body's floor: floor looks the same everywhere.
+  int standing_known = 0;
+  int standing_hits = 0;
   double cost = 0;  ///< mean over the known ones, 0 (all fit) to 1 (none does)
-  [[nodiscard]] double hit_share() const {
-    return known == 0 ? 0 : static_cast<double>(hits) / known;
-  }
 };
 
 struct Refinement {
@@ -39,7 +39,7 @@ struct Refinement {
 };
 
 struct RefinementConfig {
-  int iterations = 8;
+  int iterations = 15;
   int min_points = 40;
   double reach_m = 0.3;
   double observed_sigma_m = 0.03;

@@ -18,9 +18,9 @@ SensorModel::SensorModel(const SensorConfig& config, const View& view,
                          const Eigen::Matrix3d& R_tilt, double cell_m, const Spacing& spacing)
     : config_{config},
       cell_m_{cell_m},
-      log_unknown_{
-          std::log(config.outlier_share + (1 - config.outlier_share) * config.unknown_likelihood)},
-      log_outlier_{std::log(config.outlier_share)},
+      log_unknown_{static_cast<float>(
+          std::log(config.outlier_share + (1 - config.outlier_share) * config.unknown_likelihood))},
+      log_outlier_{static_cast<float>(std::log(config.outlier_share))},
       eye_m_{R_tilt * view.eye_m} {
   const std::size_t all = view.beams.size();
   const std::size_t wanted = std::min(all, static_cast<std::size_t>(config.beams));
@@ -32,8 +32,14 @@ SensorModel::SensorModel(const SensorConfig& config, const View& view,
     const double variance_m2 = beam.sigma_m * beam.sigma_m +
                                config.map_sigma_m * config.map_sigma_m + cell_m_ * cell_m_ / 12 +
                                spacing.m * spacing.m + swept_m * swept_m;
-    beams_.push_back({R_tilt * beam.point_m, beam.range_m, std::sqrt(variance_m2),
-                      step_m * step_m / (2 * variance_m2)});
+    LevelBeam level{R_tilt * beam.point_m, beam.range_m, std::sqrt(variance_m2), {}};
+    for (std::size_t steps = 0; steps < level.log_at.size(); ++steps) {
+      const double off_m = static_cast<double>(steps) * step_m;
+      const double fit = std::exp(-off_m * off_m / (2 * variance_m2));
+      level.log_at[steps] =
+          static_cast<float>(std::log(config.outlier_share + (1 - config.outlier_share) * fit));
+    }
+    beams_.push_back(level);
   }
 }
 
@@ -43,10 +49,8 @@ SensorModel::Pose SensorModel::placed(const Particle& particle) {
           {particle.x_m, particle.y_m, particle.z_m}};
 }
 
-double SensorModel::beam_log(const LevelBeam& beam, std::uint8_t distance) const {
-  const double steps = distance & ~DistanceField::kUnknownBit;
-  const double fit = std::exp(-steps * steps * beam.inverse_2_variance);
-  const double log_fit = std::log(config_.outlier_share + (1 - config_.outlier_share) * fit);
+float SensorModel::beam_log(const LevelBeam& beam, std::uint8_t distance) const {
+  const float log_fit = beam.log_at[distance & ~DistanceField::kUnknownBit];
   // Where the map knows nothing a surface nearby still speaks for the guess; none speaks neither
   // way.
   return (distance & DistanceField::kUnknownBit) != 0 ? std::max(log_fit, log_unknown_) : log_fit;
@@ -73,7 +77,7 @@ double SensorModel::log_likelihood_along(const Particle& particle, DistanceField
   const Pose pose = placed(particle);
   double sum = 0;
   for (const LevelBeam& beam : beams_) {
-    const double ends = beam_log(beam, cells.at(field.cell_at(pose.of(beam.end_m))));
+    const float ends = beam_log(beam, cells.at(field.cell_at(pose.of(beam.end_m))));
     sum += ends > log_outlier_ && blocked(beam, pose, cells, field) ? log_outlier_ : ends;
   }
   return temper() * sum;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -68,7 +69,8 @@ class SensorModel {
     Eigen::Vector3d end_m;  ///< from the body's origin, yaw taken out
     double range_m;         ///< from the camera
     double sigma_m;
-    double inverse_2_variance;  ///< 1 / (2 sigma^2) in field steps
+    /// Natural logarithm of its likelihood, by the field's distance where it ends.
+    std::array<float, DistanceField::kFar + 1> log_at;
   };
   struct Pose {
     double cos_yaw;
@@ -80,15 +82,15 @@ class SensorModel {
     }
   };
   [[nodiscard]] static Pose placed(const Particle& particle);
-  [[nodiscard]] double beam_log(const LevelBeam& beam, std::uint8_t distance) const;
+  [[nodiscard]] float beam_log(const LevelBeam& beam, std::uint8_t distance) const;
   [[nodiscard]] bool blocked(const LevelBeam& beam, const Pose& pose, DistanceField::Cursor& cells,
                              const DistanceField& field) const;
   [[nodiscard]] double temper() const;
 
   SensorConfig config_;
   double cell_m_;
-  double log_unknown_;
-  double log_outlier_;
+  float log_unknown_;
+  float log_outlier_;
   Eigen::Vector3d eye_m_;  ///< from the body's origin, yaw taken out
   std::vector<LevelBeam> beams_;
 };
