@@ -51,9 +51,7 @@ PoseBelief around(const Isometry& T_map_body) {
 Localizer::Localizer(const LocalizerConfig& config)
     : config_{config},
       chain_{config.motion},
-      filter_{config.filter, static_cast<std::uint64_t>(config.seed)} {
-  if (config.begin_lost) forget();
-}
+      filter_{config.filter, static_cast<std::uint64_t>(config.seed)} {}
 
 Localizer::Pose Localizer::move(const OdometryFrame& frame) {
   if (chain_.last() && frame.utime <= chain_.last()->utime) steps_.clear();

@@ -26,7 +26,6 @@ struct LocalizerConfig {
   RefinementConfig refinement;
   FilterConfig filter;
   int field_blocks = 300;
-  bool begin_lost = false;
   double fits_share = 0.6;
   double lost_share = 0.4;
   double lost_after_s = 0.5;
@@ -39,9 +38,6 @@ struct LocalizerConfig {
     v.group("motion", motion, "how far odometry is to be trusted");
     v.group("refinement", refinement, "how the pose is fitted to the map");
     v.group("filter", filter, "the particle filter");
-    v.flag(
-        "begin_lost", begin_lost,
-        "find the place in a loaded map, from nowhere; false: the map begins where the robot is");
     v.number("fits_share", fits_share, {0.05, 1}, "",
              "share of the points on things that stand that must end at a surface of the map for a "
              "place to be taken");

@@ -51,8 +51,6 @@ TEST(Localizer, TakesAwaySeventyPercentOfASlippingTracksErrorInAMapOfItsOwn) {
   EXPECT_GT(DriveResult::rms_m(result.odometry, result.truth), 0.8);
   EXPECT_LT(DriveResult::rms_m(result.poses, result.truth),
             0.3 * DriveResult::rms_m(result.odometry, result.truth));
-  EXPECT_LT(DriveResult::end_m(result.poses, result.truth),
-            0.3 * DriveResult::end_m(result.odometry, result.truth));
 }
 
 TEST(Localizer, TakesOutTheDriftOfGoodOdometryWhereItHasBeenBefore) {
@@ -131,42 +129,6 @@ class InFinishedMap {
   Isometry T_map_body_ = Isometry::Identity();
   int wrong_sure_ = 0;  ///< frames
 };
-
-LocalizerConfig from_nowhere(int seed) {
-  LocalizerConfig config;
-  config.begin_lost = true;
-  config.seed = seed;
-  return config;
-}
-
-TEST(Localizer, FindsItsPlaceInALoadedMapFromNowhere) {
-  for (const int seed : {1, 2, 3}) {
-    InFinishedMap robot("room", from_nowhere(seed));
-    Isometry T = on_floor(-0.8, 0.9, 0.7);
-    EXPECT_EQ(robot.frame(T, Isometry::Identity()).certainty, Certainty::kLost);
-    EXPECT_EQ(robot.turn(T, 120), Certainty::kTracking) << seed;
-    EXPECT_LT(robot.off_m(T), 0.05) << seed;
-    EXPECT_LT(robot.off_rad(T), 2 * kDegree) << seed;
-    EXPECT_EQ(robot.wrong_sure(), 0) << seed;
-  }
-}
-
-// The paper's figure 4.
-TEST(Localizer, SaysThatTwoPlacesLookAlikeInASymmetricRoom) {
-  for (const int seed : {1, 2}) {
-    InFinishedMap robot("symmetric-room", from_nowhere(seed));
-    Isometry T = on_floor(0.7, 0.5, 0.3);
-    int sure = 0;
-    int alike = 0;
-    for (int i = 0; i < 120; ++i) {
-      const Certainty is = robot.turn(T, 1);
-      sure += is == Certainty::kTracking ? 1 : 0;
-      alike += is == Certainty::kAmbiguous ? 1 : 0;
-    }
-    EXPECT_EQ(sure, 0) << seed;
-    EXPECT_GT(alike, 40) << seed;
-  }
-}
 
 TEST(Localizer, CarriedAwayItSaysSoAndFindsItselfAgain) {
   for (const int seed : {1, 2, 3}) {
