@@ -72,8 +72,8 @@ TEST(Localizer, DoesNotChaseTheErrorsOfAMapOfItsOwn) {
 /// A room of config/worlds in a finished map, and a robot in it that stands or turns.
 class InFinishedMap {
  public:
-  explicit InFinishedMap(const std::string& world)
-      : eyes_{testing::world_named(world), 0.3, 5}, own_{0.02}, localizer_{LocalizerConfig{}} {
+  InFinishedMap(const std::string& world, const LocalizerConfig& config)
+      : eyes_{testing::world_named(world), 0.3, 5}, own_{0.02}, localizer_{config} {
     Utime before = 0;
     for (const auto& [x, y] : {std::pair{-1.2, -1.0}, {1.2, 1.0}, {-1.0, 1.0}, {1.0, -1.0}}) {
       for (int i = 0; i < 24; ++i) {
@@ -149,7 +149,7 @@ TEST(Localizer, CarriedAwayItSaysSoAndFindsItselfAgain) {
 TEST(Localizer, TheSameInputGivesTheSameBytes) {
   std::vector<std::vector<double>> runs;
   for (int run = 0; run < 2; ++run) {
-    InFinishedMap robot("room");
+    InFinishedMap robot("room", {});
     robot.localizer().forget();
     std::vector<double> numbers;
     Isometry T = on_floor(-0.8, 0.9, 0.7);
