@@ -27,9 +27,9 @@ struct TopDownConfig {
 
 /// The map seen from above (BGR), x to the right, y up, in the manner of the paper's figure 7: a
 /// pixel is filled where a block is, over all heights. Colour is the height of the topmost block,
-/// strength how many there are; ground and what is as flat is pale, free is white, unknown grey. Cut
-/// to what is occupied and driven, but for the outermost stray voxels. Below it a scale bar and what
-/// the colours stand for. A map with nothing known gives a grey picture.
+/// strength how many there are; ground and what is as flat is pale, free is white, unknown grey.
+/// Cut to what is occupied and driven, but for the outermost stray voxels. Below it a scale bar and
+/// what the colours stand for. A map with nothing known gives a grey picture.
 [[nodiscard]] cv::Mat render_top_down(const VoxelMap& map, const TopDownOverlay& overlay = {},
                                       const TopDownConfig& config = {});
 
