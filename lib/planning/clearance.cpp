@@ -13,6 +13,7 @@ constexpr double kSpeedStep_mps = 0.025;
 constexpr double kRounding = 1e-9;
 constexpr double kSightDepth_m = 0.12;  // how far beyond view_from_m floor must be seen
 constexpr double kSightBefore_m = 0.1;
+constexpr double kCameNearer_m = 0.05;  // the robot by itself, to what it sees no more
 
 std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
 
@@ -33,6 +34,7 @@ void Clearance::forget() {
 }
 
 void Clearance::see(const stereo::DisparityImage& image, const Eigen::Isometry2d& T_start_body) {
+  if (!seen_utime_) began_at_m_ = T_start_body.translation();
   view_.look(image);
   memory_.add(view_, image, T_start_body);
   seen_utime_ = image.utime;
@@ -65,8 +67,12 @@ Clearance::Limit Clearance::spot_limit(const Eigen::Vector2d& at_body_m, Utime n
     return {robot_.max_speed_mps, "free"};
   if (!missed && spot.floor_utime >= now - microseconds(config_.slow_memory_s))
     return {config_.slow_mps, at_metres("floor seen long ago at", ahead_m, "")};
-  if (at_body_m.x() < config_.ground.view_from_m && spot.missed_utime < now - obstacle_us)
-    return {config_.creep_mps, at_metres("out of the cameras' sight at", ahead_m, "")};
+  if (!missed && at_body_m.x() < config_.ground.view_from_m) {
+    const double began_m = config_.ground.view_from_m + kSightDepth_m;
+    if (spot.floor_utime != GroundSpot::kNever ||
+        (T_start_body * at_body_m - began_at_m_).norm() < began_m)
+      return {config_.creep_mps, at_metres("out of the cameras' sight at", ahead_m, "")};
+  }
   return {0, at_metres("nothing seen from", ahead_m, " on")};
 }
 
@@ -82,6 +88,7 @@ bool Clearance::floor_in_sight(double y_m, const Eigen::Isometry2d& T_start_body
 
 bool Clearance::hidden_by_something_known(double y_m, const Eigen::Isometry2d& T_start_body) const {
   const Utime lately = *seen_utime_ - microseconds(config_.memory_s);
+  const Utime just_now = *seen_utime_ - microseconds(config_.sight_hole_s);
   const Eigen::Vector2d to_m(config_.ground.view_from_m + kSightDepth_m, y_m);
   for (const Eigen::Vector2d& eye_m : eyes_m_) {
     const Eigen::Vector2d way = to_m - eye_m;
@@ -90,7 +97,10 @@ bool Clearance::hidden_by_something_known(double y_m, const Eigen::Isometry2d& T
       const Eigen::Vector2d p = eye_m + share * way;
       if (p.x() < robot_.length_m / 2) continue;
       const GroundSpot spot = memory_.at(T_start_body * p);
-      if (spot.blocked && !spot.drop && spot.obstacle_utime >= lately) return true;
+      if (!spot.blocked || spot.drop || spot.obstacle_utime < lately) continue;
+      const bool came_nearer =
+          p.x() < static_cast<double>(spot.obstacle_ahead_m) - kCameNearer_m;
+      if (came_nearer || spot.obstacle_utime >= just_now) return true;
     }
   }
   return false;

@@ -51,8 +51,8 @@ std::vector<std::uint8_t> could_stand(const GroundMap& ground, const RouteField&
   return stands;
 }
 
-/// Unknown cells that belong to a square of three by three unknown ones.
-std::vector<std::uint8_t> broad_unknown(const GroundMap& ground) {
+/// Cells that were not seen and belong to a square of three by three such ones.
+std::vector<std::uint8_t> broad_unseen(const GroundMap& ground) {
   const CellBox& box = ground.box;
   std::vector<std::uint8_t> broad(ground.classes.size(), 0);
   const auto row = static_cast<std::size_t>(box.width);
@@ -62,7 +62,7 @@ std::vector<std::uint8_t> broad_unknown(const GroundMap& ground) {
       bool all = true;
       for (std::size_t i = middle - row - 1; all && i <= middle + row - 1; i += row) {
         for (std::size_t j = i; all && j < i + 3; ++j) {
-          all = ground.classes[j] == ColumnClass::kUnknown;
+          all = ground.classes[j] == ColumnClass::kUnknown || ground.assumed[j] != 0;
         }
       }
       if (!all) continue;
@@ -80,7 +80,7 @@ void Exploration::update(const GroundMap& ground, const RouteField& routes, doub
                          double margin_m) {
   const auto stands = could_stand(ground, routes, turning_radius_m + margin_m);
   const auto to_standing_m = distance_to_marked_m(ground.box, stands);
-  const auto broad = broad_unknown(ground);
+  const auto broad = broad_unseen(ground);
   wanted_ = CellGrid<std::uint8_t>(ground.box, 0);
   for (std::size_t i = 0; i < broad.size(); ++i) {
     wanted_.values[i] = broad[i] != 0 && ground.reached[i] != 0 &&

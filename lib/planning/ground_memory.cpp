@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "planning/shadows.hpp"
+
 namespace cairn::planning {
 namespace {
 
@@ -39,13 +41,14 @@ GroundSpot GroundMemory::at(const Eigen::Vector2d& point_m) const {
   const auto wrapped = [](std::int32_t i) { return static_cast<std::size_t>(i & (kSide - 1)); };
   const Cell& cell = cells_[wrapped(iy) * kSide + wrapped(ix)];
   if (cell.ix != ix || cell.iy != iy) return {};
-  return {cell.floor_utime, cell.missed_utime, cell.obstacle_utime, cell.score >= kBlockedScore,
-          cell.drop};
+  return {cell.floor_utime,           cell.missed_utime,     cell.obstacle_utime,
+          cell.score >= kBlockedScore, cell.obstacle_ahead_m, cell.drop};
 }
 
 void GroundMemory::block(const Eigen::Vector2d& point_m, Utime utime) {
   Cell& cell = take(spot_of(point_m.x()), spot_of(point_m.y()));
   cell.obstacle_utime = utime;
+  cell.obstacle_ahead_m = 0;
   cell.score = kBlockedScore;
   cell.drop = false;
   cell.top_m = 0;
@@ -62,6 +65,8 @@ void GroundMemory::add(const GroundView& view, const stereo::DisparityImage& ima
   for (const double x : {0.0, ahead_m}) {
     for (const double y : {-half_m, half_m}) box.extend(T_start_body * Eigen::Vector2d(x, y));
   }
+  std::vector<Looked> in_vain;
+  std::vector<Eigen::Vector2d> things_m;
   for (std::int32_t iy = spot_of(box.min().y()); iy <= spot_of(box.max().y()); ++iy) {
     for (std::int32_t ix = spot_of(box.min().x()); ix <= spot_of(box.max().x()); ++ix) {
       const Eigen::Vector2d p =
@@ -69,18 +74,31 @@ void GroundMemory::add(const GroundView& view, const stereo::DisparityImage& ima
       const GroundCell* seen = view.find(p.x(), p.y());
       if (seen == nullptr) continue;
       Cell& cell = take(ix, iy);
-      add_to(cell, *seen, image.utime);
+      add_to(cell, *seen, p.x(), image.utime);
       if (cell.score > 0 && cell.obstacle_utime != image.utime)
         look_through(cell, p, image, T_camera_body);
+      if (!cell.drop && (cell.score >= kBlockedScore || seen->ground == Ground::kObstacle))
+        things_m.push_back(p);
+      if (seen->ground == Ground::kUnseen && seen->looked_at) in_vain.push_back({&cell, p});
     }
+  }
+  if (in_vain.empty()) return;
+  std::vector<Shadows> shadows;
+  for (const double right_m : {0.0, image.camera.baseline_m}) {
+    const Eigen::Vector3d eye = image.camera.T_body_camera * Eigen::Vector3d(right_m, 0, 0);
+    Shadows& shadow = shadows.emplace_back(eye.head<2>());
+    for (const Eigen::Vector2d& thing_m : things_m) shadow.add(thing_m, kSpot_m);
+  }
+  for (const Looked& looked : in_vain) {
+    if (!shadows[0].hide(looked.at_body_m) && !shadows[1].hide(looked.at_body_m))
+      looked.cell->missed_utime = image.utime;
   }
 }
 
-void GroundMemory::add_to(Cell& cell, const GroundCell& seen, Utime utime) {
+void GroundMemory::add_to(Cell& cell, const GroundCell& seen, double ahead_m, Utime utime) {
   switch (seen.ground) {
     case Ground::kUnseen:
-      if (seen.looked_at || (seen.suspect && cell.floor_utime == GroundSpot::kNever))
-        cell.missed_utime = utime;
+      if (seen.suspect && cell.floor_utime == GroundSpot::kNever) cell.missed_utime = utime;
       break;
     case Ground::kFloor:
       cell.floor_utime = utime;
@@ -90,6 +108,7 @@ void GroundMemory::add_to(Cell& cell, const GroundCell& seen, Utime utime) {
     case Ground::kDrop:
       if (cell.score <= 0) cell.top_m = 0;
       cell.obstacle_utime = utime;
+      cell.obstacle_ahead_m = static_cast<float>(ahead_m);
       cell.drop = seen.ground == Ground::kDrop;
       cell.top_m = std::max(cell.top_m, seen.top_m);
       cell.score = static_cast<std::int8_t>(std::min(kMaxScore, cell.score + (seen.plain ? 2 : 1)));

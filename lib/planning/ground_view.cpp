@@ -25,6 +25,7 @@ constexpr int kNearFloorCells = 12;
 constexpr double kLeastRange_m = 0.1;
 constexpr double kImageMargin_px = 8;
 constexpr int kEnclosed = 5;  // of 8 neighbours
+constexpr double kSureAnswers = 8;  // of so many that floor would give some always come
 
 }  // namespace
 
@@ -272,6 +273,8 @@ void GroundView::mark_looked_at(const stereo::DisparityImage& image) {
   for (int across = 0; across < kAcross; ++across) {
     for (int ahead = 0; ahead < kAhead; ++ahead) {
       if (x_m(ahead) < config_.view_from_m) continue;
+      const double per_m = scale_ / x_m(ahead);
+      if (std::pow(per_m * kCell_m, 2) * eye_m_ / x_m(ahead) < kSureAnswers) continue;
       const Eigen::Vector3d p = T_camera_body * Eigen::Vector3d(x_m(ahead), y_m(across), 0);
       if (!(p.z() > kLeastRange_m)) continue;
       const double u = camera.cx_px + camera.f_px * p.x() / p.z();

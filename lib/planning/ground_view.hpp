@@ -38,7 +38,7 @@ enum class Ground : std::uint8_t {
 
 struct GroundCell {
   Ground ground = Ground::kUnseen;
-  bool looked_at = false;  ///< both cameras would see a floor there
+  bool looked_at = false;  ///< both cameras would surely see a floor there, if nothing hid it
   bool suspect = false;  ///< out of sight, and a step lies somewhere between here and what is seen
   bool plain = false;    ///< an obstacle seen by twice the answers that make one
   float top_m = 0;       ///< of an obstacle: how high it was seen, at most

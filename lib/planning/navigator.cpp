@@ -27,6 +27,8 @@ constexpr double kEnclosed_m2 = 0.5;
 constexpr double kSlowest_mps = 0.12;  // where there is no room to spare
 constexpr double kSpeedPerRoom = 1.2;  // m/s more for each metre of room
 constexpr double kBackTurn_radps = 0.5;
+constexpr double kRoomToTurn_m = 0.01;
+constexpr double kGentle_mps = 0.045;
 constexpr double kReckoned_mps = 0.3;
 
 std::string words(const char* format, double number) {
@@ -114,6 +116,7 @@ void Navigator::step(const Situation& now, const mapping::MapReplica& map,
     view_.reset();
     rest();
   }
+  if (stepped_ && now.epoch == now_.epoch) count_way_behind(now);
   now_ = now;
   if (!stepped_) map_here_by_ = now.utime + kMapComes_us;
   stepped_ = true;
@@ -128,6 +131,16 @@ void Navigator::step(const Situation& now, const mapping::MapReplica& map,
   for (const Blocked& entry : blocked_) blocked.push_back(entry.spot);
   judged_ = model_.refresh(now_.utime, trail_.floor(), blocked);
   reckon();
+}
+
+// The robot does not see what comes up behind it. People keep away from a robot that stands; so
+// what it left by driving forward is free behind it, and no more than that.
+void Navigator::count_way_behind(const Situation& next) {
+  const Eigen::Vector2d step_m = next.in_odom.at_m - now_.in_odom.at_m;
+  const double turned_rad = wrapped_rad(next.in_odom.heading_rad - now_.in_odom.heading_rad);
+  behind_m_ = std::clamp(behind_m_ + step_m.dot(ahead(now_.in_odom.heading_rad)) -
+                             config_.back_off_m * std::abs(turned_rad),
+                         0.0, config_.back_off_m);
 }
 
 void Navigator::forget_place() {
@@ -316,6 +329,15 @@ void Navigator::mend_way() {
 
 // ---- motion ----
 
+// Where its corners may touch something as it turns on the spot, the robot turns so slowly that
+// this does no harm. Lost, it knows of what stood round it when it was not.
+double Navigator::safe_turn_radps() const {
+  const Eigen::Vector2d at_m =
+      now_.lost && !trail_.floor().empty() ? trail_.floor().back().at_m : in_map().at_m;
+  const bool room = model_.ground().clearance_m(cell_at(at_m)) > robot_.turning_radius_m() + kRoomToTurn_m;
+  return room ? config_.follower.turn_radps : kGentle_mps / robot_.turning_radius_m();
+}
+
 Drive Navigator::drive(Utime now) {
   const std::int64_t age_us = now - now_.utime;
   if (!stepped_ || age_us > kStale_us || age_us < 0 || now_.latched || !now_.located) {
@@ -330,14 +352,17 @@ Drive Navigator::drive(Utime now) {
   Pose2 pose = now_.in_odom;
   pose.at_m += now_.forward_mps * ahead_s * ahead(pose.heading_rad + turned_rad / 2);
   pose.heading_rad = wrapped_rad(pose.heading_rad + turned_rad);
+  const double turn_radps = safe_turn_radps();
   switch (activity_) {
     case Activity::kFollowing:
-      return moving_ = follower_.step(pose, moving_, dt_s, now_.allowed_mps);
+      return moving_ = follower_.step(pose, moving_, dt_s, {now_.allowed_mps, turn_radps});
     case Activity::kTurning:
-      return moving_ = follower_.turn(turns_rad_.back() - turned_rad, moving_, dt_s);
+      return moving_ =
+                 follower_.turn(turns_rad_.back() - turned_rad, moving_, dt_s, turn_radps);
     case Activity::kLost:
-      return moving_ = turns_rad_.empty() ? follower_.halt(moving_, dt_s)
-                                          : follower_.turn(turns_rad_.back(), moving_, dt_s);
+      return moving_ = turns_rad_.empty()
+                           ? follower_.halt(moving_, dt_s)
+                           : follower_.turn(turns_rad_.back(), moving_, dt_s, turn_radps);
     case Activity::kBackingOff: {
       const Eigen::Vector2d back_m =
           moved(inverse(moved(now_.T_map_odom, pose)), {way_back_m_.back(), 0}).at_m;

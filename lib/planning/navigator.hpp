@@ -23,8 +23,8 @@ struct NavigatorConfig {
   double stuck_s = 4;
   double refused_s = 2.5;
   double settle_s = 0.8;
-  double blocked_memory_s = 45;
-  double back_off_m = 0.8;
+  double blocked_memory_s = 15;
+  double back_off_m = 0.25;
   double back_off_mps = 0.15;
   TraversabilityConfig ground;
   RouteConfig route;
@@ -42,7 +42,8 @@ struct NavigatorConfig {
     v.number("blocked_memory_s", blocked_memory_s, {1, 3600}, "s",
              "what blocked the way unseen stays in the way for this long");
     v.number("back_off_m", back_off_m, {0, 2}, "m",
-             "how far to back off, along the way it came, where it does not get on");
+             "how far to back off at most, over ground that it has just driven forward on: nearer "
+             "than this nobody comes to the back of a robot");
     v.number("back_off_mps", back_off_mps, {0.02, 0.5}, "m/s", "how fast");
     v.group("ground", ground, "what can be driven on");
     v.group("route", route, "what ways cost");
@@ -108,6 +109,7 @@ class Navigator {
   // The robot and its ground.
   [[nodiscard]] Pose2 in_map() const;
   void track();
+  void count_way_behind(const Situation& next);
   void forget_place();
   void expire_blocked();
 
@@ -128,6 +130,8 @@ class Navigator {
   void set_out(const CostGrid& costs, const std::vector<Cell>& route, const Destination& to);
   [[nodiscard]] bool way_is_good() const;
   void mend_way();
+
+  [[nodiscard]] double safe_turn_radps() const;
 
   // Activities.
   void rest();
@@ -180,6 +184,7 @@ class Navigator {
   double last_heading_rad_ = 0;
   Utime settled_at_ = 0;
   std::vector<Eigen::Vector2d> way_back_m_;  ///< in the map; the next point last
+  double behind_m_ = 0;  ///< driven forward and not yet back: free behind, up to back_off_m
 
   Drive moving_;
   Utime moving_since_ = 0;

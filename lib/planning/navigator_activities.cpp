@@ -22,6 +22,8 @@ constexpr double kSpot_m = 0.15;
 constexpr double kHereabouts_m = 1.5;
 constexpr double kLookAside_rad = 0.6;
 constexpr double kBehind_m = 0.25;
+constexpr double kWorthBacking_m = 0.1;
+constexpr double kLeftBehind_m = 0.03;  // it takes that long to stop
 constexpr double kSearchForSelf_s = 40;
 constexpr double kCarried_m = 0.15;
 
@@ -113,7 +115,7 @@ void Navigator::recover() {
   recovered_at_m_ = now_.in_odom.at_m;
   if (recoveries_ > (mission_ == Mission::kGo ? kTriesForGoal : kTriesForView))
     return give_up_target();
-  if (recoveries_ % 2 == 0) return take_as_blocked();
+  if (recoveries_ % 2 != 0) return take_as_blocked();
   if (begin_backing_off()) return;
   say(Phase::kRecovering, "does not get on: looks to both sides");
   begin_turns({kLookAside_rad, -2 * kLookAside_rad, kLookAside_rad});
@@ -138,7 +140,8 @@ void Navigator::take_as_blocked() {
 // From farther away the cameras see what is in the way.
 bool Navigator::begin_backing_off() {
   rest();
-  way_back_m_ = trail_.way_back_m(config_.back_off_m);
+  if (behind_m_ < kWorthBacking_m) return false;
+  way_back_m_ = trail_.way_back_m(behind_m_ + kBehind_m);
   std::reverse(way_back_m_.begin(), way_back_m_.end());
   if (!aim_back()) return false;
   say(Phase::kRecovering, "does not get on: backs off the way it came, to see");
@@ -160,7 +163,7 @@ bool Navigator::aim_back() {
 }
 
 void Navigator::go_on_backing_off() {
-  if (aim_back() && getting_on()) return;
+  if (behind_m_ > kLeftBehind_m && aim_back() && getting_on()) return;
   view_.reset();
   begin_settling();
   settled_at_ += microseconds(kWatch_s);
@@ -188,10 +191,7 @@ void Navigator::be_lost() {
     activity_ = Activity::kLost;
     lost_since_ = now_.utime;
     lost_at_m_ = now_.in_odom.at_m;
-    const auto& floor = trail_.floor();
-    const bool room = !floor.empty() && model_.ground().clearance_m(cell_at(floor.back().at_m)) >
-                                            robot_.turning_radius_m();
-    if (room || now_.allowed_mps > 0) turns_rad_ = {2 * std::numbers::pi};
+    turns_rad_ = {2 * std::numbers::pi};
   }
   const bool carried = (now_.in_odom.at_m - lost_at_m_).norm() > kCarried_m;
   if (carried || now_.utime > lost_since_ + microseconds(kSearchForSelf_s)) turns_rad_.clear();
