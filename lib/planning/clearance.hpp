@@ -11,6 +11,7 @@
 #include "core/time.hpp"
 #include "planning/ground_memory.hpp"
 #include "planning/ground_view.hpp"
+#include "planning/near_sight.hpp"
 #include "stereo/disparity_image.hpp"
 
 namespace cairn::planning {
@@ -94,8 +95,11 @@ class Clearance {
   [[nodiscard]] Limit spot_limit(const Eigen::Vector2d& at_body_m, Utime now,
                                  const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] bool floor_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const;
-  [[nodiscard]] bool hidden_by_something_known(double y_m,
+  [[nodiscard]] bool hidden_by_something_known(const Eigen::Vector2d& from_m,
+                                               const Eigen::Vector2d& to_m,
                                                const Eigen::Isometry2d& T_start_body) const;
+  [[nodiscard]] bool lane_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const;
+  [[nodiscard]] bool blind_near(const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] Limit sight_limit(const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] Limit sweep_limit(double speed_mps, double turn_radps, Utime now,
                                   const Eigen::Isometry2d& T_start_body) const;
@@ -104,6 +108,7 @@ class Clearance {
   RobotConfig robot_;
   GroundView view_;
   GroundMemory memory_;
+  NearSight near_;
   std::optional<Utime> seen_utime_;
   Eigen::Vector2d began_at_m_ = Eigen::Vector2d::Zero();  ///< in the standing frame
   std::array<Eigen::Vector2d, 2> eyes_m_;  ///< of the newest image; in the body frame, from above

@@ -183,6 +183,33 @@ std::optional<Viewpoint> Exploration::choose(const GroundMap& ground, const Rout
   return best;
 }
 
+std::optional<Viewpoint> Exploration::see_spot(const GroundMap& ground, const RouteField& routes,
+                                               const Pose2& robot, const BlockedSpot& spot) const {
+  std::optional<Viewpoint> best;
+  double best_s = 0;
+  const double nearest_m = config_.view_from_m + spot.radius_m;
+  const CellBox& box = ground.box;
+  for (std::int32_t y = box.y0; y < box.y0 + box.height; y += kLattice) {
+    for (std::int32_t x = box.x0; x < box.x0 + box.width; x += kLattice) {
+      const Cell cell{x, y};
+      const Eigen::Vector2d way = spot.at_m - centre_m(cell);
+      const double distance_m = way.norm();
+      if (!routes.reaches(cell) || distance_m < nearest_m || distance_m > config_.view_to_m)
+        continue;
+      const double heading_rad = std::atan2(way.y(), way.x());
+      const double needed_s = time_s(routes, robot, cell, heading_rad);
+      if (best && needed_s >= best_s) continue;
+      bool free = true;
+      for (double r = kStride_m; free && r < distance_m - spot.radius_m; r += kStride_m)
+        free = ground.at(cell_at(centre_m(cell) + r / distance_m * way)) != ColumnClass::kOccupied;
+      if (!free) continue;
+      best = Viewpoint{{centre_m(cell), heading_rad}, 0};
+      best_s = needed_s;
+    }
+  }
+  return best;
+}
+
 double Exploration::gain_m2(const GroundMap& ground, const Pose2& from) const {
   double gain = 0;
   const int width = window();

@@ -30,6 +30,8 @@ constexpr double kBackTurn_radps = 0.5;
 constexpr double kRoomToTurn_m = 0.01;
 constexpr double kGentle_mps = 0.045;
 constexpr double kReckoned_mps = 0.3;
+constexpr double kSamePlace_m = 0.4;
+constexpr int kLooksAgain = 2;
 
 std::string words(const char* format, double number) {
   char text[128];
@@ -57,7 +59,8 @@ void Navigator::begin(Mission mission, std::int64_t goal_id) {
   report_.goal_id = goal_id;
   nothing_wanted_ = 0;
   recoveries_ = 0;
-  view_.reset();
+  looked_again_at_m_.clear();
+  drop_target();
   rest();
 }
 
@@ -79,7 +82,7 @@ void Navigator::cancel(std::int64_t goal_id) {
 
 void Navigator::finish(Phase phase, const std::string& reason) {
   mission_ = Mission::kNone;
-  view_.reset();
+  drop_target();
   rest();
   say(phase, reason);
 }
@@ -113,7 +116,7 @@ void Navigator::step(const Situation& now, const mapping::MapReplica& map,
   if (stepped_ && (now.epoch != now_.epoch || now.utime < now_.utime)) {
     moving_ = {};
     moving_since_ = now.utime;
-    view_.reset();
+    drop_target();
     rest();
   }
   if (stepped_ && now.epoch == now_.epoch) count_way_behind(now);
@@ -206,7 +209,13 @@ void Navigator::next() {
   }
 }
 
+void Navigator::drop_target() {
+  view_.reset();
+  looks_again_at_m_.reset();
+}
+
 void Navigator::next_view() {
+  if (looks_again_at_m_ && activity_ == Activity::kFollowing) return mend_way();
   const GroundMap& ground = model_.ground();
   const CostGrid costs = costs_from_here();
   const RouteField routes = all_routes(costs, cell_at(in_map().at_m));
@@ -218,11 +227,41 @@ void Navigator::next_view() {
   }
   view_ = exploration_.choose(ground, routes, in_map());
   looked_ = false;
-  if (!view_) return explored(routes);
+  if (!view_) return look_again(costs, routes) ? void() : explored(routes);
   nothing_wanted_ = 0;
   say(Phase::kExploring, words("looks at %.1f m2 of unknown floor", view_->gain_m2));
   set_out(costs, route_to(routes, cell_at(view_->pose.at_m)),
           {view_->pose.at_m, view_->pose.heading_rad});
+}
+
+// What blocked the way is often gone soon, but guard believes it only when it sees it, and that it
+// does from some way off.
+bool Navigator::look_again(const CostGrid& costs, const RouteField& routes) {
+  std::optional<Viewpoint> best;
+  for (const Blocked& entry : blocked_) {
+    const auto looks = std::count_if(looked_again_at_m_.begin(), looked_again_at_m_.end(),
+                                     [&](const Eigen::Vector2d& at_m) {
+                                       return (at_m - entry.spot.at_m).norm() < kSamePlace_m;
+                                     });
+    if (looks >= kLooksAgain) continue;
+    best = exploration_.see_spot(model_.ground(), routes, in_map(), entry.spot);
+    if (!best) continue;
+    looks_again_at_m_ = entry.spot.at_m;
+    say(report_.phase, "looks again at what blocked the way");
+    set_out(costs, route_to(routes, cell_at(best->pose.at_m)),
+            {best->pose.at_m, best->pose.heading_rad});
+    return true;
+  }
+  return false;
+}
+
+void Navigator::looked_again() {
+  looked_again_at_m_.push_back(*looks_again_at_m_);
+  std::erase_if(blocked_, [&](const Blocked& entry) {
+    return (entry.spot.at_m - *looks_again_at_m_).norm() < kSamePlace_m;
+  });
+  looks_again_at_m_.reset();
+  model_.renew();
 }
 
 void Navigator::explored(const RouteField& routes) {
@@ -246,6 +285,7 @@ void Navigator::next_way() {
   const Cell goal = cell_at(destination_.at_m);
   const auto route = find_route(costs, cell_at(in_map().at_m), goal);
   if (!route && now_.utime < map_here_by_) return;
+  if (!route && look_again(costs, all_routes(costs, cell_at(in_map().at_m)))) return;
   if (!route) return finish(Phase::kRefused, why_not(goal, costs));
   say(Phase::kDriving, "under way");
   set_out(costs, route->cells, destination_);
@@ -323,7 +363,7 @@ void Navigator::mend_way() {
   const CostGrid costs = costs_from_here();
   const auto route = find_route(costs, cell_at(in_map().at_m), cell_at(way_to_.at_m));
   if (route) return set_out(costs, route->cells, way_to_);
-  view_.reset();
+  drop_target();
   rest();
 }
 
@@ -334,7 +374,8 @@ void Navigator::mend_way() {
 double Navigator::safe_turn_radps() const {
   const Eigen::Vector2d at_m =
       now_.lost && !trail_.floor().empty() ? trail_.floor().back().at_m : in_map().at_m;
-  const bool room = model_.ground().clearance_m(cell_at(at_m)) > robot_.turning_radius_m() + kRoomToTurn_m;
+  const bool room =
+      model_.ground().clearance_m(cell_at(at_m)) > robot_.turning_radius_m() + kRoomToTurn_m;
   return room ? config_.follower.turn_radps : kGentle_mps / robot_.turning_radius_m();
 }
 
@@ -357,8 +398,7 @@ Drive Navigator::drive(Utime now) {
     case Activity::kFollowing:
       return moving_ = follower_.step(pose, moving_, dt_s, {now_.allowed_mps, turn_radps});
     case Activity::kTurning:
-      return moving_ =
-                 follower_.turn(turns_rad_.back() - turned_rad, moving_, dt_s, turn_radps);
+      return moving_ = follower_.turn(turns_rad_.back() - turned_rad, moving_, dt_s, turn_radps);
     case Activity::kLost:
       return moving_ = turns_rad_.empty()
                            ? follower_.halt(moving_, dt_s)

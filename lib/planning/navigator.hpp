@@ -120,6 +120,9 @@ class Navigator {
   void next_view();
   void next_way();
   void explored(const RouteField& routes);
+  [[nodiscard]] bool look_again(const CostGrid& costs, const RouteField& routes);
+  void looked_again();
+  void drop_target();
   void finish(Phase phase, const std::string& reason);
   void say(Phase phase, const std::string& reason);
   void reckon();
@@ -201,6 +204,8 @@ class Navigator {
     Utime until;
   };
   std::vector<Blocked> blocked_;
+  std::optional<Eigen::Vector2d> looks_again_at_m_;  ///< blocked spot that it is on its way to see
+  std::vector<Eigen::Vector2d> looked_again_at_m_;   ///< in this mission
 };
 
 }  // namespace cairn::planning

@@ -72,6 +72,7 @@ void Navigator::begin_settling() {
 void Navigator::go_on_settling() {
   if (now_.utime < settled_at_) return;
   rest();
+  if (looks_again_at_m_) return looked_again();
   const Pose2 here = in_map();
   looked_ = view_ && (view_->pose.at_m - here.at_m).norm() < kThere_m &&
             std::abs(wrapped_rad(view_->pose.heading_rad - here.heading_rad)) < kThere_rad;
@@ -83,7 +84,7 @@ void Navigator::go_on_settling() {
 
 void Navigator::go_on_following() {
   if (follower_.arrived()) {
-    if (mission_ == Mission::kGo) return finish(Phase::kArrived, "there");
+    if (mission_ == Mission::kGo && !looks_again_at_m_) return finish(Phase::kArrived, "there");
     return begin_settling();
   }
   if (follower_.astray_m() > kAstray_m) return rest();
@@ -132,7 +133,7 @@ void Navigator::take_as_blocked() {
   const double before_m = 0.5 * robot_.length_m + radius_m;
   blocked_.push_back({{here.at_m + before_m * ahead(here.heading_rad), radius_m},
                       now_.utime + microseconds(config_.blocked_memory_s)});
-  view_.reset();
+  drop_target();
   model_.renew();
   rest();
 }
@@ -164,7 +165,7 @@ bool Navigator::aim_back() {
 
 void Navigator::go_on_backing_off() {
   if (behind_m_ > kLeftBehind_m && aim_back() && getting_on()) return;
-  view_.reset();
+  drop_target();
   begin_settling();
   settled_at_ += microseconds(kWatch_s);
 }
@@ -179,7 +180,7 @@ void Navigator::give_up_target() {
   } else {
     looked_round_ = true;
   }
-  view_.reset();
+  drop_target();
   rest();
 }
 
@@ -187,7 +188,7 @@ void Navigator::give_up_target() {
 void Navigator::be_lost() {
   if (activity_ != Activity::kLost) {
     rest();
-    view_.reset();
+    drop_target();
     activity_ = Activity::kLost;
     lost_since_ = now_.utime;
     lost_at_m_ = now_.in_odom.at_m;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Explores a world many times, each with another seed, and prints a line for each.
-//   exploration_bench WORLD.yaml|random FIRST_SEED LAST_SEED [PEOPLE [LIMIT_S [STEP_PX [RESOLUTION_M]]]]
+//   exploration_bench WORLD.yaml|random FIRST_SEED LAST_SEED [PEOPLE [LIMIT_S [RESOLUTION_M]]]
 // With "random" every seed is another place. Set STORY=1 to read what the robot said.
 #include <algorithm>
 #include <cmath>
@@ -65,22 +65,22 @@ int main(int argc, char** argv) {
     }
     testing::BenchConfig config;
     config.seed = static_cast<unsigned>(seed);
-    config.people = std::min(static_cast<int>(number(4, 2)), static_cast<int>(world->people.size()));
-    config.step_px = static_cast<int>(number(6, config.step_px));
-    config.resolution_m = number(7, config.resolution_m);
+    config.people =
+        std::min(static_cast<int>(number(4, 2)), static_cast<int>(world->people.size()));
+    config.resolution_m = number(6, config.resolution_m);
     testing::ExplorerBench bench(*world, config);
     bench.navigator().explore(0);
     bench.run(number(5, 900));
     const auto& report = bench.navigator().report();
     const bool finished = report.phase == planning::Phase::kArrived;
-    std::printf("%s seed %d people %d: %s %.0f s, %.1f m, coverage %.3f, collisions %d, "
-                "planner %.2f ms mean %.1f p99 %.1f max, guard %.2f mean %.1f p99; %s\n",
-                place.substr(place.rfind('/') + 1).c_str(), seed, config.people,
-                finished ? "finished" : "UNFINISHED", bench.time_s(), bench.driven_m(),
-                bench.coverage(), static_cast<int>(bench.collisions()),
-                mean(bench.cost().planner_ms), at_share(bench.cost().planner_ms, 0.99),
-                at_share(bench.cost().planner_ms, 1), mean(bench.cost().guard_ms),
-                at_share(bench.cost().guard_ms, 0.99), report.reason.c_str());
+    std::printf(
+        "%s seed %d people %d: %s %.0f s, %.1f m, coverage %.3f, collisions %d, "
+        "planner %.2f ms mean %.1f p99 %.1f max, guard %.2f mean %.1f p99; %s\n",
+        place.substr(place.rfind('/') + 1).c_str(), seed, config.people,
+        finished ? "finished" : "UNFINISHED", bench.time_s(), bench.driven_m(), bench.coverage(),
+        static_cast<int>(bench.collisions()), mean(bench.cost().planner_ms),
+        at_share(bench.cost().planner_ms, 0.99), at_share(bench.cost().planner_ms, 1),
+        mean(bench.cost().guard_ms), at_share(bench.cost().guard_ms, 0.99), report.reason.c_str());
     if (std::getenv("STORY") != nullptr) std::fputs(bench.story().c_str(), stdout);
     if (std::getenv("UNSEEN") != nullptr) tell_unseen(bench);
     std::fflush(stdout);

@@ -2,9 +2,9 @@
 #include "explorer_bench.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <numbers>
 #include <utility>
 
@@ -23,12 +23,23 @@ constexpr std::int64_t kBusTakes_us = 5'000;
 constexpr std::int64_t kLineTakes_us = 10'000;
 constexpr std::int64_t kMapTakes_frames = 8;
 constexpr double kMaxSightAge_s = 0.4;
+constexpr double kNearby_m = 2;
 
 /// Of this thread, so that others on the machine do not count.
 double processor_ms() {
   timespec time{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+/// The simulated robot's cameras on its body: 60 degrees wide, level, 0.30 m high, 25.4 cm apart.
+camera::RigCalibration bench_rig() {
+  constexpr double kBaseline_m = 0.254;
+  Isometry T_body_left = Isometry::Identity();
+  T_body_left.linear() = R_body_camera_forward();
+  T_body_left.translation() = Eigen::Vector3d(0, kBaseline_m / 2, 0.30);
+  const double f_px = 320 / std::tan(std::numbers::pi / 6);
+  return camera::rectified_rig(f_px, f_px, 319.5, 239.5, kBaseline_m, 640, 480, T_body_left);
 }
 
 double milliseconds_of(const std::function<void()>& work) {
@@ -45,29 +56,36 @@ ExplorerBench::ExplorerBench(const simulation::World& world, const BenchConfig& 
       navigation_{navigation},
       world_{std::make_shared<const simulation::World>(world)},
       T_map_world_{world.T_world_start.inverse()},
-      eyes_{world, config.step_px, config.eyes, config.seed},
       pose_{config.pose, config.seed + 1},
       map_{std::make_unique<mapping::VoxelMap>(config.resolution_m)},
       integrator_{mapping::RayIntegratorConfig{}},
-      tracks_{robot_, {.effective_gauge_ratio =
-                           simulation::TracksConfig{}.effective_gauge_ratio * config.gauge_error}},
+      tracks_{robot_,
+              {.effective_gauge_ratio =
+                   simulation::TracksConfig{}.effective_gauge_ratio * config.gauge_error}},
       guard_{{}, robot_},
       navigator_{std::make_unique<planning::Navigator>(navigation, robot_)},
-      left_{motor::TrackPid({}, robot_.max_acceleration_mps2), motor::TrackSpeed(robot_.ticks_per_m)},
+      left_{motor::TrackPid({}, robot_.max_acceleration_mps2),
+            motor::TrackSpeed(robot_.ticks_per_m)},
       right_{left_} {
   make_playground();
+  open_eyes();
   const auto start_m = world.T_world_start.translation().head<2>();
-  sight_ = std::make_unique<simulation::FloorSight>(std::move(
-      simulation::FloorSight::create(world, bench_rig(), robot_,
-                                     simulation::ReachableFloor::flood(world, start_m, {}).value(),
-                                     {})
-          .value()));
+  sight_ = std::make_unique<simulation::FloorSight>(
+      std::move(simulation::FloorSight::create(
+                    world, bench_rig(), robot_,
+                    simulation::ReachableFloor::flood(world, start_m, {}).value(), {})
+                    .value()));
 }
 
 void ExplorerBench::make_playground() {
   playground_ = std::make_unique<Playground>(std::move(
       Playground::create(world_, robot_, {}, static_cast<std::size_t>(config_.people), config_.seed)
           .value()));
+}
+
+void ExplorerBench::open_eyes() {
+  eyes_ = std::make_unique<simulation::DisparityModel>(
+      std::move(simulation::DisparityModel::create(*world_, bench_rig(), config_.seed).value()));
 }
 
 void ExplorerBench::put(const simulation::Box& box) {
@@ -79,7 +97,7 @@ void ExplorerBench::put(const simulation::Box& box) {
   right_ticks_before_ += playground_->body().right_ticks();
   world_ = std::move(world);
   make_playground();
-  eyes_.see(*world_);
+  open_eyes();
 }
 
 void ExplorerBench::forget_map() {
@@ -114,7 +132,7 @@ void ExplorerBench::take_frame() {
   const Isometry T_world_body = playground_->body().T_world_body();
   sight_->look(T_world_body);
   pose_.move(T_map_world_ * T_world_body, kFrame_s);
-  auto image = eyes_.look(T_world_body, now_, playground_->people());
+  auto image = eyes_->see(T_world_body, frame_, now_, playground_->people());
   map(image, pose_.T_map_body());
   later(kDisparityTakes_us, [this, image = std::move(image)]() mutable { see(std::move(image)); });
   planning::Situation situation;
@@ -134,8 +152,8 @@ void ExplorerBench::take_frame() {
 void ExplorerBench::map(const stereo::DisparityImage& image, const Isometry& T_map_body) {
   const auto integration =
       integrator_.integrate(image, T_map_body * image.camera.T_body_camera, *map_).value();
-  deltas_.push_back({frame_ + kMapTakes_frames,
-                     mapping::make_delta(*map_, map_id_, now_, integration.changed)});
+  deltas_.push_back(
+      {frame_ + kMapTakes_frames, mapping::make_delta(*map_, map_id_, now_, integration.changed)});
 }
 
 void ExplorerBench::see(stereo::DisparityImage image) {
@@ -151,8 +169,7 @@ void ExplorerBench::judge() {
   if (newest && to_seconds(now_ - seen_utime_) <= kMaxSightAge_s) {
     const double measured_radps =
         (newest->reading.right_mps - newest->reading.left_mps) / tracks_.gauge_m();
-    const double commanded_radps =
-        (right_.commanded_mps - left_.commanded_mps) / tracks_.gauge_m();
+    const double commanded_radps = (right_.commanded_mps - left_.commanded_mps) / tracks_.gauge_m();
     cost_.guard_ms.push_back(milliseconds_of([&] {
       permission_ = guard_.judge(now_, newest->T_start_body, measured_radps);
       auto other = guard_.judge(now_, newest->T_start_body, commanded_radps);
@@ -190,13 +207,14 @@ void ExplorerBench::drive_tracks() {
   left_.speed.add(now_, left_ticks);
   right_.speed.add(now_, right_ticks);
   const double half_m = robot_.track_gauge_m / 2;
-  const double turn = std::clamp(command_.turn_radps, -robot_.max_turn_radps, robot_.max_turn_radps);
+  const double turn =
+      std::clamp(command_.turn_radps, -robot_.max_turn_radps, robot_.max_turn_radps);
   const double room = robot_.max_speed_mps - std::abs(turn) * half_m;
   const double forward = std::clamp(std::min(command_.forward_mps, permitted_mps_), -room, room);
   left_.commanded_mps = forward - turn * half_m;
   right_.commanded_mps = forward + turn * half_m;
-  tracks_.add({now_, left_ticks, right_ticks, robot_.ticks_per_m, left_.speed.mps(),
-               right_.speed.mps()});
+  tracks_.add(
+      {now_, left_ticks, right_ticks, robot_.ticks_per_m, left_.speed.mps(), right_.speed.mps()});
   for (Track* track : {&left_, &right_}) {
     const double duty =
         track->pid.step(track->commanded_mps, track->speed.mps(), to_seconds(kMotorPeriod_us));
@@ -210,7 +228,14 @@ void ExplorerBench::note(const std::string& line) {
   std::snprintf(text, sizeof text, "%6.1f s (%.2f, %.2f) %.0f deg: %s [%s]", time_s(), at.at_m.x(),
                 at.at_m.y(), at.heading_rad * 180 / std::numbers::pi, line.c_str(),
                 permission_.reason.c_str());
-  diary_.emplace_back(text);
+  std::string entry = text;
+  for (const auto& person : people()) {
+    const Eigen::Vector2d ahead_m = planning::moved(planning::inverse(at), {person.at_m, 0}).at_m;
+    if (ahead_m.norm() > kNearby_m) continue;
+    std::snprintf(text, sizeof text, "; somebody at (%.2f, %.2f)", ahead_m.x(), ahead_m.y());
+    entry += text;
+  }
+  diary_.push_back(entry);
 }
 
 void ExplorerBench::write_diary() {
@@ -255,13 +280,7 @@ void ExplorerBench::step() {
       char text[120];
       std::snprintf(text, sizeof text, "COLLISION at %.2f m/s, commanded %.2f m/s and %.2f rad/s",
                     body.fastest_mps(), command_.forward_mps, command_.turn_radps);
-      std::string line = text;
-      for (const auto& person : people()) {
-        const Eigen::Vector2d at = planning::moved(planning::inverse(in_world()), {person.at_m, 0}).at_m;
-        std::snprintf(text, sizeof text, "; person at (%.2f, %.2f)", at.x(), at.y());
-        line += text;
-      }
-      note(line);
+      note(text);
     }
   }
 }

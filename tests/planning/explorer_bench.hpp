@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "bench_eyes.hpp"
 #include "bench_pose.hpp"
 #include "mapping/map_replica.hpp"
 #include "mapping/ray_integrator.hpp"
@@ -18,6 +17,7 @@
 #include "odometry/track_kinematics.hpp"
 #include "planning/clearance.hpp"
 #include "planning/navigator.hpp"
+#include "simulation/disparity_model.hpp"
 #include "simulation/floor_sight.hpp"
 #include "simulation/playground.hpp"
 
@@ -25,10 +25,8 @@ namespace cairn::testing {
 
 struct BenchConfig {
   double resolution_m = 0.04;
-  int step_px = 4;  ///< of 640 x 480
   int people = 0;
   unsigned seed = 1;
-  EyeTrouble eyes;
   PoseTrouble pose;
   /// What guard thinks of the tracks' gauge over what it is.
   double gauge_error = 1.05;
@@ -90,6 +88,7 @@ class ExplorerBench {
   using Work = std::function<void()>;
 
   void make_playground();
+  void open_eyes();
   void do_what_is_due();
   void later(std::int64_t after_us, Work work);
   void take_frame();
@@ -112,7 +111,7 @@ class ExplorerBench {
   std::int64_t collisions_before_ = 0;
   std::int64_t left_ticks_before_ = 0;
   std::int64_t right_ticks_before_ = 0;
-  BenchEyes eyes_;
+  std::unique_ptr<simulation::DisparityModel> eyes_;
   BenchPose pose_;
   std::unique_ptr<mapping::VoxelMap> map_;
   std::uint64_t map_id_ = 1;

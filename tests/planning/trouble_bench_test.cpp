@@ -25,10 +25,9 @@ simulation::World bare_room() {
   return world;
 }
 
-BenchConfig sharp_eyes() {
+BenchConfig fine_map() {
   BenchConfig config;
   config.resolution_m = 0.02;
-  config.step_px = 2;
   return config;
 }
 
@@ -38,7 +37,7 @@ TEST(TroubleBench, ThinLegsAreDrivenRound) {
     world.boxes.push_back(box({0.1, y, 0.35}, {0.03, 0.03, 0.7}));
     world.boxes.push_back(box({0.9, y - 0.2, 0.35}, {0.03, 0.03, 0.7}));
   }
-  ExplorerBench bench(world, sharp_eyes());
+  ExplorerBench bench(world, fine_map());
   bench.navigator().explore(0);
   bench.run(120);
   EXPECT_EQ(bench.navigator().report().phase, Phase::kArrived) << bench.story();
@@ -62,7 +61,7 @@ TEST(TroubleBench, AGoalInAWallIsRefusedAndOneBeyondItToo) {
 }
 
 TEST(TroubleBench, WhatIsPutInTheWayIsDrivenRound) {
-  ExplorerBench bench(bare_room(), sharp_eyes());
+  ExplorerBench bench(bare_room(), fine_map());
   bench.navigator().explore(0);
   bench.run(120);
   ASSERT_TRUE(bench.navigator().idle()) << bench.story();
