@@ -167,11 +167,16 @@ void TrackedBody::touch(const Attempt& attempt, std::span<const PersonPose> peop
   for (const Obstacle obstacle : begun) {
     if (std::binary_search(touching_.begin(), touching_.end(), obstacle)) continue;
     still.push_back(obstacle);
-    if (fastest_mps_ > kCollision_mps) ++collisions_;
+    if (fastest_mps_ > kCollision_mps) collide(name_of(obstacle));
   }
-  if (attempt.fell && fastest_mps_ > kCollision_mps) ++collisions_;
+  if (attempt.fell && fastest_mps_ > kCollision_mps) collide("");
   std::sort(still.begin(), still.end());
   touching_ = std::move(still);
+}
+
+void TrackedBody::collide(const std::string& name) {
+  ++collisions_;
+  last_collision_ = name;
 }
 
 void TrackedBody::measure_motion(const Place& before, double dt_s) {

@@ -51,6 +51,8 @@ class TrackedBody {
   [[nodiscard]] int contacts() const;
   /// Contacts begun so far while it moved at over kCollision_mps.
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
+  /// Name of what it last collided with; empty: of nothing yet, or of an edge that it fell from.
+  [[nodiscard]] const std::string& last_collision() const { return last_collision_; }
   [[nodiscard]] bool fallen() const { return fallen_; }
 
   /// What a track does on the ground.
@@ -85,6 +87,7 @@ class TrackedBody {
   [[nodiscard]] Attempt attempt(Place place, std::span<const PersonPose> people);
   [[nodiscard]] Attempt go_or_stay(Place wanted, std::span<const PersonPose> people);
   void touch(const Attempt& attempt, std::span<const PersonPose> people);
+  void collide(const std::string& name);
   void measure_motion(const Place& before, double dt_s);
   /// Calls `look(obstacle, contact)` for all that is near.
   template <class Look>
@@ -104,6 +107,7 @@ class TrackedBody {
   Hold right_hold_;
   std::vector<Obstacle> touching_;  ///< in rising order
   std::int64_t collisions_ = 0;
+  std::string last_collision_;
   bool fallen_ = false;
 };
 

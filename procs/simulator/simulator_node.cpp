@@ -98,6 +98,7 @@ struct SimulatorNode::State {
   Utime last_clock = 0;
   HostTime last_clock_host_us = 0;
   std::optional<HostTime> waits_since_us;
+  std::int64_t told_collisions = 0;
 
   State(const Config& settings, bus::Node& host, Parts parts, std::unique_ptr<motor::ByteLink> line,
         double speed);
@@ -107,6 +108,7 @@ struct SimulatorNode::State {
   [[nodiscard]] bool take_frame();
   [[nodiscard]] bool must_wait();
   void step();
+  void tell_collisions();
   void read_wheel_line();
   void report_wheels();
   void publish_painted();
@@ -218,7 +220,16 @@ void SimulatorNode::State::step() {
   const auto duty = controller.duty(node.host_time());
   playground.step(duty.left, duty.right);
   now += Playground::kStep_us;
+  if (config.publish_truth) tell_collisions();
   if ((now - kStart_us) % WheelController::kReportPeriod_us == 0) report_wheels();
+}
+
+void SimulatorNode::State::tell_collisions() {
+  const auto& body = playground.body();
+  if (body.collisions() == told_collisions) return;
+  told_collisions = body.collisions();
+  node.log(bus::Level::kInfo, body.fallen() ? std::string("the robot fell over an edge")
+                                            : "the robot ran into " + body.last_collision());
 }
 
 void SimulatorNode::State::read_wheel_line() {

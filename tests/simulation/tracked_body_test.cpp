@@ -105,7 +105,10 @@ TEST(TrackedBody, SlipWandersAroundItsMeanAsMuchAsItIsTold) {
 }
 
 TEST(TrackedBody, StallsAtAWallWhileItsTracksSlip) {
-  TrackedBody body = body_in(world_of({wide_floor(), box({1.05, 0, 0.5}, {0.1, 6, 1})}));
+  World world = world_of({wide_floor(), box({1.05, 0, 0.5}, {0.1, 6, 1})});
+  world.boxes[1].name = "wall";
+  TrackedBody body = body_in(std::move(world));
+  EXPECT_EQ(body.last_collision(), "");
   drive(body, 0.5, 0.5, 5);
   EXPECT_NEAR(body.T_world_body().translation().x(), 1 - 0.5 * kRobot.length_m, 1e-4);
   EXPECT_EQ(body.left_ticks(), std::floor(way_m(0.5, 5, without_slip()) * kRobot.ticks_per_m));
@@ -113,6 +116,7 @@ TEST(TrackedBody, StallsAtAWallWhileItsTracksSlip) {
   EXPECT_NEAR(body.right_hold().slip, 1, 1e-6);
   EXPECT_EQ(body.contacts(), 1);
   EXPECT_EQ(body.collisions(), 1);
+  EXPECT_EQ(body.last_collision(), "wall");
 }
 
 TEST(TrackedBody, CountsEachRunAgainstAWallOnce) {
