@@ -184,11 +184,12 @@ void Localizer::look_around(const MapView& map, const View& view, const Fit& fit
   looks_alike_ = another_place_fits(view, clusters);
 }
 
-// The place that most particles are at, where it is not the one that is believed in.
+// The place that most particles are at, where it is not the one that is believed in. A robot that
+// sees what it expects, or what the map has nothing to say of, stays where it is.
 void Localizer::consider_rival(const MapView& map, const View& view, const Fit& fit,
                                const std::vector<Cluster>& clusters) {
   const bool lost = certainty_ == Certainty::kLost;
-  if (clusters.empty() || clusters.front().weight < kHeaviestFrom ||
+  if ((!lost && !misfit_since_) || clusters.empty() || clusters.front().weight < kHeaviestFrom ||
       (!lost && !apart(clusters.front().pose.T_map_body, belief_.T_map_body))) {
     rival_views_ = 0;
     return;

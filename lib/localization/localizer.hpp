@@ -21,6 +21,7 @@
 namespace cairn::localization {
 
 struct LocalizerConfig {
+  bool correct = false;
   ViewConfig view;
   MotionConfig motion;
   RefinementConfig refinement;
@@ -34,6 +35,10 @@ struct LocalizerConfig {
   int seed = 1;
 
   void visit(ConfigVisitor& v) {
+    v.flag(
+        "correct", correct,
+        "POSE is corrected by the map; false: odometry is passed on, as good visual odometry is "
+        "still better than the corrections (for tracks alone they take nine tenths of the error)");
     v.group("view", view, "which points of a frame are used");
     v.group("motion", motion, "how far odometry is to be trusted");
     v.group("refinement", refinement, "how the pose is fitted to the map");

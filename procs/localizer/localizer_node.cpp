@@ -43,6 +43,10 @@ Result<std::unique_ptr<LocalizerNode>> LocalizerNode::create(const Config& confi
 
 LocalizerNode::LocalizerNode(const Config& config, bus::Node& node)
     : node_{node}, localizer_{config} {
+  if (!config.correct) {
+    node.on<channels::Odometry>([this](const odometry_t& odometry) { pass_on(odometry); });
+    return;
+  }
   resume();
   node.on<channels::MapDelta>([this](const map_delta_t& delta) {
     if (auto put = map_.put(delta); !put)
@@ -64,6 +68,20 @@ LocalizerNode::LocalizerNode(const Config& config, bus::Node& node)
   node.on<channels::LocalizerCommand>(
       [this](const localizer_command_t& command) { obey(command); });
   node.every_data(kParticlesPeriod_us, [this] { show_particles(); });
+}
+
+void LocalizerNode::pass_on(const odometry_t& odometry) {
+  if (auto good = messages::check(odometry); !good)
+    return node_.refuse(channels::Odometry::name, good.error().message);
+  pose_t pose{};
+  pose.T_map_body = odometry.T_odom_body;
+  pose.T_map_odom = messages::to_message(Isometry::Identity());
+  pose.correction_utime = odometry.header.utime;
+  pose.epoch = odometry.epoch;
+  pose.state = pose_t::STATE_TRACKING;
+  std::copy(std::begin(odometry.covariance), std::end(odometry.covariance),
+            std::begin(pose.covariance));
+  node_.publish<channels::Pose>(std::move(pose), odometry.header.utime);
 }
 
 void LocalizerNode::publish_pose(const odometry_t& odometry) {

@@ -32,6 +32,7 @@ class LocalizerNode {
   [[nodiscard]] Result<void> finish() { return {}; }
 
  private:
+  void pass_on(const odometry_t& odometry);
   void publish_pose(const odometry_t& odometry);
   void update();
   void update(const disparity_t& seen);

@@ -78,6 +78,7 @@ MotorNode::MotorNode(const Config& config, bus::Node& node, motor::WheelLine lin
   node.on<channels::Clearance>([this](const clearance_t& message) { take(message); });
   node.on<channels::Clock>([this](const cairn::clock_t& message) { take(message); });
   node.on<channels::Stop>([this](const stop_t& message) { take(message); });
+  node.set_health(bus::Health::kStarting, "looks for its wheel controller");
   node.every_host(motor::MotorControl::kTick_us, [this] { tick(); });
   node.every_host(kLookPeriod_us, [this] { say_how_it_is(); });
 }

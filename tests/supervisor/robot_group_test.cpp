@@ -149,7 +149,7 @@ TEST_F(RobotGroup, ComesUpIsShownIsTendedAndEndsWithItsMapSaved) {
   EXPECT_EQ(down.exit_code, 0) << down.text;
   EXPECT_EQ(down.text, "ended; run folder " + run_.string() +
                            "\nmap: " + (run_ / "state/mapper/map.cairn").string() + "\n");
-  EXPECT_TRUE(processes_of(run_).empty());
+  play_until([&] { return processes_of(run_).empty(); });
   const auto map = mapping::load_map(run_ / "state/mapper/map.cairn", {});
   ASSERT_TRUE(map) << map.error().message;
   EXPECT_GT(map->map.occupied_voxels(), 100U);
