@@ -45,6 +45,9 @@ LocalizerNode::LocalizerNode(const Config& config, bus::Node& node)
     : node_{node}, localizer_{config} {
   if (!config.correct) {
     node.on<channels::Odometry>([this](const odometry_t& odometry) { pass_on(odometry); });
+    node.on<channels::LocalizerCommand>([this](const localizer_command_t&) {
+      node_.refuse(channels::LocalizerCommand::name, "corrections are off (localizer.correct)");
+    });
     return;
   }
   resume();
@@ -141,7 +144,7 @@ void LocalizerNode::obey(const localizer_command_t& command) {
                                  std::max(command.sigma_rad, kLeastSigma_rad));
     }
     case localizer_command_t::ACTION_MODE:
-      return refuse("action: whether the map grows is mapper's to say (mapper.grow)");
+      return refuse("action: whether the map grows is mapper's to say (mapper.integrate)");
     default:
       return refuse("action: " + std::to_string(command.action) + " is none");
   }
