@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "bus/in_process_bus.hpp"
 #include "bus/lockstep.hpp"
 #include "motor/memory_link.hpp"
+#include "node_bench.hpp"
 #include "temporary_folder.hpp"
 #include "wheel_rig.hpp"
 
@@ -29,7 +29,7 @@ constexpr Utime kData_us = 3'000'000'000;
 
 /// motor on a bus with somebody who plays the clock, planner, guard and people, and a controller
 /// with two tracks at the end of its line; host time goes on by a millisecond at a time.
-class MotorNodeTest : public ::testing::Test {
+class MotorNodeTest : public testing::NodeBench {
  protected:
   MotorNodeTest() {
     clock_.set(kStart_us);
@@ -43,8 +43,7 @@ class MotorNodeTest : public ::testing::Test {
 
   void start() {
     motor_.reset();
-    node_ = std::make_unique<bus::Node>("motor", hub_.make_endpoint(), clock_, StateFolder{},
-                                        ++session_);
+    start_node("motor");
     auto [far, near] = motor::make_memory_links();
     rig_.emplace(std::move(far), static_cast<std::uint32_t>(session_), clock_.now_us());
     auto created = MotorNode::create(config_, *node_, motor::open_once(std::move(near)));
@@ -54,26 +53,11 @@ class MotorNodeTest : public ::testing::Test {
 
   Utime data_now() const { return kData_us + (clock_.now_us() - kStart_us); }
 
-  void spin() {
-    hub_.deliver();
-    do {
-      node_->spin_once(0);
-    } while (node_->has_work());
-    hub_.deliver();
-    do {
-      peer_.spin_once(0);
-    } while (peer_.has_work());
-  }
-
   void pass(std::int64_t duration_us) {
     for (const HostTime until_us = clock_.now_us() + duration_us; clock_.now_us() < until_us;) {
       clock_.set(clock_.now_us() + kMs);
       const std::int64_t since_us = clock_.now_us() - kStart_us;
-      if (tick_ && since_us % (50 * kMs) == 0) {
-        cairn::clock_t tick{};
-        tick.rate = 1;
-        peer_.publish<channels::Clock>(tick, data_now());
-      }
+      if (tick_ && since_us % (50 * kMs) == 0) send_clock(data_now());
       if (guard_ && since_us % (50 * kMs) == 7 * kMs) clear(0.5, "free");
       if (planner_ && since_us % (100 * kMs) == 13 * kMs) drive(0.3);
       rig_->run(clock_.now_us());
@@ -122,12 +106,7 @@ class MotorNodeTest : public ::testing::Test {
   }
 
   testing::TemporaryFolder folder_;
-  bus::ManualClock clock_;
-  bus::InProcessHub hub_;
-  bus::Node peer_{"peer", hub_.make_endpoint(), clock_, {}, 1000};
-  std::int64_t session_ = 0;
   MotorConfig config_;
-  std::unique_ptr<bus::Node> node_;
   std::optional<testing::WheelRig> rig_;
   std::unique_ptr<MotorNode> motor_;
   bool tick_ = true;

@@ -10,9 +10,9 @@
 #include <random>
 #include <vector>
 
-#include "bus/in_process_bus.hpp"
 #include "messages/calibration_messages.hpp"
 #include "messages/check.hpp"
+#include "node_bench.hpp"
 #include "odometry/made_tracks.hpp"
 #include "temporary_folder.hpp"
 
@@ -58,7 +58,7 @@ wheel_state_t to_message(const odometry::TrackReading& reading) {
 }
 
 /// odometry on a bus with somebody who plays clock, camera, motor and listens.
-class OdometryNodeTest : public ::testing::Test {
+class OdometryNodeTest : public testing::NodeBench {
  protected:
   OdometryNodeTest() {
     peer_.on<channels::Odometry>([this](const odometry_t& heard) {
@@ -70,27 +70,10 @@ class OdometryNodeTest : public ::testing::Test {
 
   void start(const OdometryConfig& config = blind(), StateFolder state = {}) {
     odometry_.reset();
-    node_ = std::make_unique<bus::Node>("odometry", hub_.make_endpoint(), clock_, std::move(state),
-                                        ++session_);
+    start_node("odometry", std::move(state));
     odometry_ = OdometryNode::create(config, *node_).value();
   }
 
-  void spin() {
-    hub_.deliver();
-    do {
-      node_->spin_once(0);
-    } while (node_->has_work());
-    hub_.deliver();
-    do {
-      peer_.spin_once(0);
-    } while (peer_.has_work());
-  }
-
-  void send_clock() {
-    cairn::clock_t tick{};
-    tick.rate = 1;
-    peer_.publish<channels::Clock>(tick, now_);
-  }
   void send_wheels(Utime utime) {
     peer_.publish<channels::WheelState>(to_message(tracks_.reading(utime)), utime);
   }
@@ -101,7 +84,7 @@ class OdometryNodeTest : public ::testing::Test {
     for (const Utime until = now_ + static_cast<Utime>(1e6 * seconds); now_ < until;) {
       now_ += kTick_us;
       clock_.set(now_);
-      send_clock();
+      send_clock(now_);
       if (wheels_on_ && now_ % kWheels_us == 0) send_wheels(now_);
       if (eyes_on_ && now_ % kFrame_us == 0) {
         send_frame(now_);
@@ -126,12 +109,6 @@ class OdometryNodeTest : public ::testing::Test {
     return sum_m;
   }
 
-  bus::ManualClock clock_;
-  bus::InProcessHub hub_;
-  bus::Bus& peer_bus_ = hub_.make_endpoint();
-  bus::Node peer_{"peer", peer_bus_, clock_, StateFolder{}, 1000};
-  std::int64_t session_ = 0;
-  std::unique_ptr<bus::Node> node_;
   std::unique_ptr<OdometryNode> odometry_;
   std::vector<odometry_t> heard_;
   MadeTracks tracks_{steady_tracks(kSpeed_mps, kTurn_radps)};

@@ -18,23 +18,19 @@ namespace cairn::testing {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-void render(const fs::path& folder) {
+void render_room(const fs::path& folder, std::size_t frames) {
   const auto world = simulation::load_world(fs::path(CAIRN_SOURCE_DIR) / "config/worlds/room.yaml");
   Isometry T_body_left = Isometry::Identity();
   T_body_left.translate(Eigen::Vector3d(0, 0.127, 0.45)).rotate(R_body_camera_forward());
   const double f_px = 320 / std::tan(M_PI / 6);
   const auto rig = camera::rectified_rig(f_px, f_px, 319.5, 239.5, 0.254, 640, 480, T_body_left);
   auto path = simulation::drive_round(simulation::room_tour_m(), {});
-  path.resize(60);
+  path.resize(frames);
   simulation::SequenceConfig config;
   config.map_resolution_m = 0.05;
   const auto rendered = simulation::render_sequence(*world, rig, path, config, folder, {});
   if (!rendered) throw std::runtime_error(rendered.error().message);
 }
-
-}  // namespace
 
 fs::path rendered_room() {
   const fs::path folder = fs::path(CAIRN_BINARY_DIR) / "rendered_room";
@@ -43,7 +39,7 @@ fs::path rendered_room() {
   ::flock(lock, LOCK_EX);
   if (!fs::exists(folder / "dataset.yaml")) {
     fs::remove_all(folder);
-    render(folder);
+    render_room(folder, 60);
   }
   ::close(lock);
   return folder;

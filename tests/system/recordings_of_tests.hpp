@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
 
 namespace cairn::testing {
 
-/// Some seconds of a rendered room with true poses, as a dataset folder: rendered once per build
-/// folder, then kept.
+/// The first frames, 15 a second, of a drive round a rendered room with true poses, as a dataset in
+/// a new or empty folder.
+void render_room(const std::filesystem::path& folder, std::size_t frames);
+
+/// 60 of them: rendered once per build folder, then kept.
 [[nodiscard]] std::filesystem::path rendered_room();
 
 /// The real street, where there is one.
