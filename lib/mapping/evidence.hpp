@@ -44,6 +44,9 @@ class EvidenceRule {
     return empty >= free_from_[occupied] ? VoxelClass::kFree : VoxelClass::kUnknown;
   }
 
+  /// A voxel without occupied evidence is free from this much empty evidence on; 256: never.
+  [[nodiscard]] int free_from() const { return free_from_[0]; }
+
  private:
   std::array<std::uint16_t, 256> occupied_below_{};  ///< by occupied evidence
   std::array<std::uint16_t, 256> free_from_{};

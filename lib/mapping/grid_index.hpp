@@ -73,6 +73,11 @@ template <class Tag>
 struct VoxelMask {
   std::array<std::uint64_t, kBrickSide> words{};
 
+  [[nodiscard]] static VoxelMask all() {
+    VoxelMask mask;
+    mask.words.fill(~std::uint64_t{0});
+    return mask;
+  }
   [[nodiscard]] bool test(int index) const {
     return (words[static_cast<std::size_t>(index >> 6)] >> (index & 63) & 1) != 0;
   }

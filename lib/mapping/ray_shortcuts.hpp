@@ -3,15 +3,9 @@
 
 #include <opencv2/core.hpp>
 
-namespace cairn::mapping {
+#include "mapping/ray_grid.hpp"
 
-/// A grid of rays from one point: ray (row, col) runs along ((col - cx) / f, (row - cy) / f, 1).
-struct RayGrid {
-  double f_px = 1;  ///< in steps of the grid, as cx_px and cy_px
-  double cx_px = 0;
-  double cy_px = 0;
-  cv::Mat_<double> end_depth_m;  ///< where each ray ends, along the third axis; 0: there is no ray
-};
+namespace cairn::mapping {
 
 /// Where rays need not be walked, since other rays meet every voxel that they meet there.
 ///

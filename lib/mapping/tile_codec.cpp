@@ -20,8 +20,8 @@ std::vector<std::uint8_t> raw_bricks(const VoxelMap& map, std::span<const BrickI
   for (const BrickIndex index : bricks) raw.put(static_cast<std::uint16_t>(index_in_tile(index)));
   for (const BrickIndex index : bricks) {
     const EvidenceBrick* brick = map.grid().find(index);
-    raw.put_bytes(brick->occupied_evidence);
-    raw.put_bytes(brick->empty_evidence);
+    raw.put_bytes(brick->occupied_evidence.of);
+    raw.put_bytes(brick->empty_evidence().of);
   }
   return raw.take();
 }

@@ -10,18 +10,27 @@
 #include "core/geometry.hpp"
 #include "mapping/brick_grid.hpp"
 #include "mapping/evidence.hpp"
+#include "mapping/evidence_plane.hpp"
 #include "mapping/grid_index.hpp"
 
 namespace cairn::mapping {
 
 /// Evidence of 512 voxels in the order of index_in_brick, and what the evidence makes of them.
-struct EvidenceBrick {
-  std::array<std::uint8_t, kBrickVoxels> occupied_evidence{};
-  std::array<std::uint8_t, kBrickVoxels> empty_evidence{};
-  VoxelMask known;                   ///< free or occupied
-  VoxelMask occupied;                ///< a part of known
-  std::uint8_t words_with_hits = 0;  ///< bit z: some voxel of layer z has occupied evidence
-  bool dirty = false;                ///< changed since VoxelMap::clear_dirty
+struct alignas(64) EvidenceBrick {
+  EvidencePlane occupied_evidence;
+  EvidencePlane settled_empty_evidence;     ///< to which pending_empty_evidence is yet to be added
+  VoxelMask known;                          ///< free or occupied
+  VoxelMask occupied;                       ///< a part of known
+  std::uint8_t pending_empty_evidence = 0;  ///< for every voxel
+  bool has_hits = false;                    ///< some voxel has occupied evidence
+  bool all_free = false;  ///< and none has hits, so that more misses change nothing
+  bool dirty = false;     ///< changed since VoxelMap::clear_dirty
+
+  [[nodiscard]] EvidencePlane empty_evidence() const {
+    EvidencePlane plane = settled_empty_evidence;
+    plane.add(VoxelMask::all(), pending_empty_evidence);
+    return plane;
+  }
 };
 
 struct VoxelState {
@@ -56,6 +65,10 @@ class VoxelMap {
   bool add_evidence(BrickIndex brick, const VoxelMask& hits, const VoxelMask& misses,
                     std::uint8_t hit_evidence, std::uint8_t miss_evidence);
 
+  /// Adds `miss_evidence` to the empty evidence of every voxel of a brick, which stops at 255. True
+  /// if the class of a voxel changed. Lazy: where all are free already, one number for the brick.
+  bool add_free(BrickIndex brick, std::uint8_t miss_evidence);
+
   /// Replaces all evidence of a brick; 512 values each in the order of index_in_brick.
   void set_evidence(BrickIndex brick, std::span<const std::uint8_t, kBrickVoxels> occupied,
                     std::span<const std::uint8_t, kBrickVoxels> empty);
@@ -67,13 +80,15 @@ class VoxelMap {
   /// Memory held.
   [[nodiscard]] std::size_t bytes() const;
 
-  /// Bricks whose evidence was touched since clear_dirty, sorted by tile and then by index_in_tile.
+  /// Bricks whose evidence changed since clear_dirty, sorted by tile and then by index_in_tile.
   [[nodiscard]] std::vector<BrickIndex> dirty_bricks() const;
   void clear_dirty();
 
  private:
   void mark_dirty(BrickIndex index, EvidenceBrick& brick);
-  void reclassify(EvidenceBrick& brick, std::size_t word, std::uint64_t voxels) const;
+  /// By the evidence of these voxels; the rest stay what they are. True if a class changed.
+  bool reclassify(EvidenceBrick& brick, const VoxelMask& voxels);
+  static void settle(EvidenceBrick& brick);
 
   double resolution_m_;
   double voxels_per_m_;

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "core/checksum.hpp"
+#include "mapping/projective_integrator.hpp"
+#include "mapping/ray_integrator.hpp"
 #include "messages/check.hpp"
 #include "messages/disparity_messages.hpp"
 #include "messages/geometry_messages.hpp"
@@ -57,6 +59,11 @@ Result<Start> starting_map(const MapperConfig& config, bus::Node& node) {
   return start;
 }
 
+std::unique_ptr<mapping::Integrator> integrator_of(const MapperConfig& config) {
+  if (config.integration == "exact") return std::make_unique<mapping::RayIntegrator>(config.rays);
+  return std::make_unique<mapping::ProjectiveIntegrator>(config.rays);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<MapperNode>> MapperNode::create(const Config& config, bus::Node& node) {
@@ -71,7 +78,7 @@ MapperNode::MapperNode(const Config& config, mapping::VoxelMap map, const mappin
       node_{node},
       map_{std::move(map)},
       info_{info},
-      integrator_{config.rays},
+      integrator_{integrator_of(config)},
       publisher_{map_, info.map_id, node} {
   if (config.pose == "POSE") {
     node.join<channels::Disparity, channels::Pose>(
@@ -112,7 +119,8 @@ void MapperNode::integrate(const disparity_t& seen, const isometry_t& pose) {
   if (!image) return node_.refuse(channels::Disparity::name, image.error().message);
   const auto T_map_body = messages::to_isometry(pose, "pose");
   if (!T_map_body) return node_.refuse(config_.pose, T_map_body.error().message);
-  auto integration = integrator_.integrate(*image, *T_map_body * image->camera.T_body_camera, map_);
+  auto integration =
+      integrator_->integrate(*image, *T_map_body * image->camera.T_body_camera, map_);
   if (!integration) return node_.refuse(channels::Disparity::name, integration.error().message);
   if (info_.map_id == 0) {
     info_.map_id = mapping::make_map_id(static_cast<std::uint64_t>(seen.calibration_id),

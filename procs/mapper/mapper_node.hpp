@@ -10,9 +10,9 @@
 #include "bus/node.hpp"
 #include "core/config.hpp"
 #include "mapping/evidence.hpp"
+#include "mapping/integrator.hpp"
 #include "mapping/map_file.hpp"
 #include "mapping/map_journal.hpp"
-#include "mapping/ray_integrator.hpp"
 #include "mapping/voxel_map.hpp"
 #include "procs/mapper/map_publisher.hpp"
 
@@ -22,6 +22,7 @@ struct MapperConfig {
   double resolution_m = 0.01;
   std::string pose = "POSE";
   double min_quality = 0.1;
+  std::string integration = "projective";
   mapping::RayIntegratorConfig rays;
   mapping::EvidenceConfig evidence;
   std::string map;
@@ -33,6 +34,10 @@ struct MapperConfig {
              "whose word is taken for where the robot is; ODOMETRY where no localizer runs");
     v.number("min_quality", min_quality, {0, 1}, "",
              "frames whose ODOMETRY is worse are not mapped (pose ODOMETRY)");
+    v.choice(
+        "integration", integration, {"projective", "exact"},
+        "how voxels are freed: projective holds them against the depth image; exact walks every "
+        "ray, some ten times slower, as the reference");
     v.group("rays", rays, "how a frame becomes evidence");
     v.group("evidence", evidence, "how evidence becomes occupied and free");
     v.text("map", map, "map file to go on with; empty: an empty map");
@@ -74,7 +79,7 @@ class MapperNode {
   bus::Node& node_;
   mapping::VoxelMap map_;
   mapping::MapInfo info_;
-  mapping::RayIntegrator integrator_;
+  std::unique_ptr<mapping::Integrator> integrator_;
   std::optional<mapping::MapJournal> journal_;
   std::vector<mapping::BrickIndex> changed_;  ///< by the frame in work
   MapPublisher publisher_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/geometry.hpp"
+#include "mapping/integrator.hpp"
 #include "stereo/disparity_image.hpp"
 
 namespace cairn::mapping::testing {
@@ -41,6 +43,20 @@ stereo::DisparityImage image_of(const stereo::RectifiedCamera& camera, int step_
     }
   }
   return image;
+}
+
+/// A camera that looks forward from a body here, turned so.
+inline Isometry pose(const Eigen::Vector3d& position_m, double roll, double pitch, double yaw) {
+  Isometry T = Isometry::Identity();
+  T.linear() = rotation_from_rpy(roll, pitch, yaw) * R_body_camera_forward();
+  T.translation() = position_m;
+  return T;
+}
+
+inline RayIntegratorConfig to_range(double max_range_m) {
+  RayIntegratorConfig config;
+  config.max_range_m = max_range_m;
+  return config;
 }
 
 }  // namespace cairn::mapping::testing

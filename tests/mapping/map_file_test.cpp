@@ -45,7 +45,7 @@ TEST(MapFile, RoundTripKeepsEverythingAndTheBytes) {
     const EvidenceBrick* copy = loaded->map.grid().find(index);
     ASSERT_NE(copy, nullptr);
     EXPECT_EQ(copy->occupied_evidence, brick.occupied_evidence);
-    EXPECT_EQ(copy->empty_evidence, brick.empty_evidence);
+    EXPECT_EQ(copy->empty_evidence(), brick.empty_evidence());
   });
   const Bytes bytes = encode_map(map, kInfo);
   EXPECT_EQ(encode_map(loaded->map, loaded->info), bytes);
@@ -67,7 +67,7 @@ TEST(MapFile, TheOrderInWhichBricksCameDoesNotShow) {
   VoxelMap other{map.resolution_m()};
   for (const BrickIndex index : bricks) {
     const EvidenceBrick* brick = map.grid().find(index);
-    other.set_evidence(index, brick->occupied_evidence, brick->empty_evidence);
+    other.set_evidence(index, brick->occupied_evidence.of, brick->empty_evidence().of);
   }
   EXPECT_EQ(encode_map(other, kInfo), encode_map(map, kInfo));
 }

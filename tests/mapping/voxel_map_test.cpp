@@ -103,14 +103,14 @@ TEST(VoxelMap, SetEvidenceReplacesAllThatAddEvidenceMade) {
   VoxelMap map = testing::random_map(4, 60, 2);
   const VoxelMap other = testing::random_map(5, 200, 2);
   other.grid().for_each([&](BrickIndex index, const EvidenceBrick& brick) {
-    map.set_evidence(index, brick.occupied_evidence, brick.empty_evidence);
+    map.set_evidence(index, brick.occupied_evidence.of, brick.empty_evidence().of);
   });
   other.grid().for_each([&](BrickIndex index, const EvidenceBrick& brick) {
     const EvidenceBrick* copy = map.grid().find(index);
     ASSERT_NE(copy, nullptr);
     EXPECT_EQ(copy->known, brick.known);
     EXPECT_EQ(copy->occupied, brick.occupied);
-    EXPECT_EQ(copy->words_with_hits, brick.words_with_hits);
+    EXPECT_EQ(copy->has_hits, brick.has_hits);
   });
   std::size_t known = 0;
   map.grid().for_each([&](BrickIndex, const EvidenceBrick& brick) {

@@ -7,8 +7,10 @@
 #include <ctime>
 #include <iostream>
 #include <limits>
+#include <string>
 
 #include "mapping/made_images.hpp"
+#include "mapping/projective_integrator.hpp"
 #include "mapping/ray_integrator.hpp"
 
 namespace cairn::mapping {
@@ -22,12 +24,13 @@ double thread_ms() {
 }
 
 /// Drives forward through the same view and prints what a frame costs.
-void report(const char* name, const stereo::DisparityImage& image, double resolution_m,
+template <class SomeIntegrator>
+void report(const std::string& name, const stereo::DisparityImage& image, double resolution_m,
             double max_range_m, double step_m) {
   constexpr int kFrames = 10;
   RayIntegratorConfig config;
   config.max_range_m = max_range_m;
-  RayIntegrator integrator{config};
+  SomeIntegrator integrator{config};
   VoxelMap map{resolution_m};
   double total_ms = 0;
   double least_ms = std::numeric_limits<double>::infinity();
@@ -58,7 +61,13 @@ stereo::DisparityImage street(const stereo::RectifiedCamera& camera, int step_px
   });
 }
 
-TEST(RayIntegratorSpeed, PrintsWhatAFrameCosts) {
+void report_both(const std::string& name, const stereo::DisparityImage& image, double resolution_m,
+                 double max_range_m, double step_m) {
+  report<RayIntegrator>(name + ", exact", image, resolution_m, max_range_m, step_m);
+  report<ProjectiveIntegrator>(name + ", projective", image, resolution_m, max_range_m, step_m);
+}
+
+TEST(IntegratorSpeed, PrintsWhatAFrameCosts) {
   stereo::RectifiedCamera wide;
   wide.f_px = 707;
   wide.cx_px = 601.9;
@@ -66,9 +75,12 @@ TEST(RayIntegratorSpeed, PrintsWhatAFrameCosts) {
   wide.baseline_m = 0.537;
   wide.width_px = 1226;
   wide.height_px = 370;
-  report("street, 0.2 m voxels, 30 m", street(wide, 2, 1.65, 7.3, 35), 0.2, 30, 0.8);
-  stereo::RectifiedCamera room = testing::small_camera(640, 480);
-  report("corridor, 1 cm voxels, 3 m", street(room, 2, 0.6, 1.1, 3.5), 0.01, 3, 0.02);
+  report_both("street, 0.2 m voxels, 30 m", street(wide, 2, 1.65, 7.3, 35), 0.2, 30, 0.8);
+  const stereo::RectifiedCamera room = testing::small_camera(640, 480);
+  const stereo::DisparityImage corridor = street(room, 2, 0.6, 1.1, 3.5);
+  report_both("corridor, 1 cm voxels, 3 m", corridor, 0.01, 3, 0.02);
+  report_both("corridor, 2 cm voxels, 3 m", corridor, 0.02, 3, 0.02);
+  report_both("corridor, 4 cm voxels, 4 m", corridor, 0.04, 4, 0.02);
 }
 
 }  // namespace
