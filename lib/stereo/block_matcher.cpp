@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "stereo/matched_size.hpp"
 #include "stereo/pixel_grading.hpp"
 
 namespace cairn::stereo {
@@ -54,35 +55,6 @@ cv::Ptr<cv::StereoMatcher> make_opencv_matcher(const MatcherConfig& config,
   return nullptr;
 }
 
-Result<void> check_images(const cv::Mat& left, const cv::Mat& right, const RectifiedCamera& camera,
-                          int min_side_px) {
-  if (left.empty() || right.empty()) return fail("stereo pair: an image is empty");
-  if (left.type() != CV_8UC1 || right.type() != CV_8UC1) {
-    return fail("stereo pair: both images must be 8-bit grey");
-  }
-  if (left.size() != right.size()) return fail("stereo pair: left and right differ in size");
-  if (left.cols != camera.width_px || left.rows != camera.height_px) {
-    return fail("stereo pair: " + std::to_string(left.cols) + "x" + std::to_string(left.rows) +
-                " px, but the camera has " + std::to_string(camera.width_px) + "x" +
-                std::to_string(camera.height_px));
-  }
-  if (left.cols < min_side_px || left.rows < min_side_px) {
-    return fail("stereo pair: smaller than " + std::to_string(min_side_px) + " px");
-  }
-  return {};
-}
-
-/// Mean of each 2x2 pixels; an odd last row or column counts twice.
-cv::Mat half_size(const cv::Mat& image) {
-  cv::Mat even = image;
-  if (image.cols % 2 != 0 || image.rows % 2 != 0) {
-    cv::copyMakeBorder(image, even, 0, image.rows % 2, 0, image.cols % 2, cv::BORDER_REPLICATE);
-  }
-  cv::Mat half;
-  cv::resize(even, half, {even.cols / 2, even.rows / 2}, 0, 0, cv::INTER_AREA);
-  return half;
-}
-
 class BlockMatcher final : public Matcher {
  public:
   BlockMatcher(const MatcherConfig& config, const SearchRange& range,
@@ -91,17 +63,16 @@ class BlockMatcher final : public Matcher {
 
   Result<DisparityImage> match(const cv::Mat& left, const cv::Mat& right,
                                const RectifiedCamera& camera, Utime utime) override {
-    if (auto ok = check_images(left, right, camera, kMinSide_px * config_.downscale); !ok) {
+    if (auto ok = check_pair(left, right, camera, kMinSide_px * config_.downscale); !ok) {
       return tl::make_unexpected(ok.error());
     }
     try {
-      const bool halve = config_.downscale == 2;
-      const cv::Mat left_matched = halve ? half_size(left) : left;
-      const cv::Mat right_matched = halve ? half_size(right) : right;
+      const cv::Mat left_matched = at_matched_size(left, config_);
+      const cv::Mat right_matched = at_matched_size(right, config_);
       const cv::Mat_<std::int16_t> raw = raw_disparity(left_matched, right_matched);
       const GradedPixels graded =
           grade_pixels(left_matched, raw, range_, config_.speckle_size_px, kSpeckleRange_px);
-      return on_grid(graded, camera, utime);
+      return on_grid(graded, config_, camera, utime);
     } catch (const cv::Exception& exception) {
       return fail(std::string("stereo pair: ") + exception.what());
     }
@@ -116,36 +87,6 @@ class BlockMatcher final : public Matcher {
     cv::copyMakeBorder(right, padded_right_, 0, 0, pad, 0, cv::BORDER_REPLICATE);
     opencv_->compute(padded_left_, padded_right_, padded_disparity_);
     return padded_disparity_(cv::Rect(pad, 0, left.cols, left.rows)).clone();
-  }
-
-  DisparityImage on_grid(const GradedPixels& graded, const RectifiedCamera& camera,
-                         Utime utime) const {
-    DisparityImage image;
-    image.utime = utime;
-    image.step_px = config_.output_step_px;
-    image.camera = camera;
-    if (config_.downscale == 2) {
-      image.camera.cx_px -= 0.5;
-      image.camera.cy_px -= 0.5;
-      image.disparity_16ths = 2 * graded.disparity_16ths;
-      image.code = graded.code;
-    } else if (config_.output_step_px == 2) {
-      image.disparity_16ths = every_second(graded.disparity_16ths);
-      image.code = every_second(graded.code);
-    } else {
-      image.disparity_16ths = graded.disparity_16ths;
-      image.code = graded.code;
-    }
-    return image;
-  }
-
-  template <class T>
-  static cv::Mat_<T> every_second(const cv::Mat_<T>& full) {
-    cv::Mat_<T> grid((full.rows + 1) / 2, (full.cols + 1) / 2);
-    for (int row = 0; row < grid.rows; ++row) {
-      for (int col = 0; col < grid.cols; ++col) grid(row, col) = full(2 * row, 2 * col);
-    }
-    return grid;
   }
 
   MatcherConfig config_;

@@ -2,6 +2,7 @@
 #include "stereo/matcher.hpp"
 
 #include "stereo/block_matcher.hpp"
+#include "stereo/sgm_matcher.hpp"
 
 namespace cairn::stereo {
 
@@ -18,6 +19,7 @@ Result<std::unique_ptr<Matcher>> make_matcher(const MatcherConfig& config) {
     return fail("output_step_px: 1 needs downscale 1");
   }
   if (config.method == "block") return make_block_matcher(config);
+  if (config.method == "sgm") return make_sgm_matcher(config);
   return fail("method: no matcher is called '" + config.method + "'");
 }
 

@@ -23,9 +23,10 @@ struct MatcherConfig {
   int speckle_size_px = 100;
 
   void visit(ConfigVisitor& v) {
-    v.choice("method", method, {"block"}, "how disparities are found");
+    v.choice("method", method, {"block", "sgm"},
+             "how disparities are found: by OpenCV, or by our own semi-global matcher");
     v.choice("variant", variant, {"bm", "3way", "sgbm", "hh", "hh4"},
-             "which of OpenCV's block matchers");
+             "which of OpenCV's matchers, for method block");
     v.integer(
         "min_disparity_px", min_disparity_px, 0, 1024, "px",
         "smallest disparity searched, in pixels of the full image: bounds the farthest depth");

@@ -103,7 +103,7 @@ void add_stereo(CLI::App& app, Run& run) {
   command->add_option("left", options->left, "left image")->required();
   command->add_option("right", options->right, "right image")->required();
   command->add_option("--method", options->matcher.method, "how")
-      ->check(CLI::IsMember({"block"}))
+      ->check(CLI::IsMember({"block", "sgm"}))
       ->capture_default_str();
   command->add_option("--variant", options->matcher.variant, "which of OpenCV's, for method block")
       ->check(CLI::IsMember({"bm", "3way", "sgbm", "hh", "hh4"}))

@@ -66,9 +66,14 @@ Pair render(const SlantedPlane& plane, cv::Size size) {
   return pair;
 }
 
-MatcherConfig config_of(const std::string& variant, int downscale, int output_step_px) {
+/// `name` is sgm, or one of OpenCV's variants.
+MatcherConfig config_of(const std::string& name, int downscale, int output_step_px) {
   MatcherConfig config;
-  config.variant = variant;
+  if (name == "sgm") {
+    config.method = name;
+  } else {
+    config.variant = name;
+  }
   config.downscale = downscale;
   config.output_step_px = output_step_px;
   config.max_disparity_px = 64;
@@ -136,7 +141,7 @@ TEST(Matcher, EveryVariantFindsThePlane) {
   const SlantedPlane plane;
   const cv::Size size{320, 240};
   const Pair pair = render(plane, size);
-  for (const char* variant : {"bm", "3way", "sgbm", "hh", "hh4"}) {
+  for (const char* variant : {"bm", "3way", "sgbm", "hh", "hh4", "sgm"}) {
     for (const int downscale : {1, 2}) {
       SCOPED_TRACE(std::string(variant) + " downscale " + std::to_string(downscale));
       const auto image = match(config_of(variant, downscale, 2), pair);
@@ -180,7 +185,7 @@ TEST(Matcher, GivesTheSameBytesAgainAndOnTwoThreads) {
   const Pair pair = render(SlantedPlane{}, {400, 300});
   const Pair other = render(SlantedPlane{30, -0.01, 0.01}, {400, 300});
   const int threads = cv::getNumThreads();
-  for (const char* variant : {"bm", "3way", "sgbm", "hh", "hh4"}) {
+  for (const char* variant : {"bm", "3way", "sgbm", "hh", "hh4", "sgm"}) {
     SCOPED_TRACE(variant);
     const auto config = config_of(variant, 1, 1);
     cv::setNumThreads(1);
