@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "stereo/disparity_image.hpp"
+#include "stereo/speckles.hpp"
 
 namespace cairn::stereo {
 namespace {
@@ -117,7 +117,8 @@ class RowGrader {
 }  // namespace
 
 GradedPixels grade_pixels(const cv::Mat& left, const cv::Mat_<std::int16_t>& raw_16ths,
-                          const SearchRange& range, int speckle_size_px, int speckle_range_px) {
+                          const SearchRange& range, int speckle_size_px, int speckle_range_px,
+                          const cv::Mat_<std::uint8_t>& confidence) {
   const int first_16ths = range.min_px * 16;
   const int last_16ths = (range.end_px - 1) * 16;
   const auto no_answer = static_cast<std::int16_t>(first_16ths - 16);
@@ -142,7 +143,7 @@ GradedPixels grade_pixels(const cv::Mat& left, const cv::Mat_<std::int16_t>& raw
     }
   }
   if (speckle_size_px > 0) {
-    cv::filterSpeckles(disparity, no_answer, speckle_size_px, 16 * speckle_range_px);
+    remove_speckles(disparity, no_answer, speckle_size_px, 16 * speckle_range_px);
   }
 
   GradedPixels graded{cv::Mat_<std::uint16_t>(disparity.size(), std::uint16_t{0}),
@@ -157,6 +158,10 @@ GradedPixels grade_pixels(const cv::Mat& left, const cv::Mat_<std::int16_t>& raw
       std::uint8_t& code = graded.code(row, col);
       if (d >= first_16ths) {
         graded.disparity_16ths(row, col) = static_cast<std::uint16_t>(d);
+        if (!confidence.empty()) {
+          code = confidence(row, col);
+          continue;
+        }
         const int cap = texture(row, col) < kLowTexture_per_px ? 1 : 3;
         const int level =
             grader.claim_is_its_own(col, d) ? surface_level(disparity, row, col, first_16ths) : 0;

@@ -30,14 +30,16 @@ struct GradedPixels {
 /// the right image that something nearer has taken (covered there); else kAmbiguous: the matcher's
 /// uniqueness or left-right check failed.
 ///
-/// Confidence says how far around the pixel the answers form one smooth surface, of whatever slope:
-/// 1, 2, 3 for 2, 4 and 8 px, tested along row, column and diagonals (the mean of the two answers
-/// that far off is within 0.5 px of the pixel's own). It is 0 where a pixel with a disparity larger
-/// by over 1 px claims the same pixel of the right image, and 1 at most where the gradient (as
-/// above) is below 1 grey level per px.
+/// `confidence` (0 to 3 per pixel) is what the matcher itself knows of its answers. Where it is
+/// empty, confidence says how far around the pixel the answers form one smooth surface, of whatever
+/// slope: 1, 2, 3 for 2, 4 and 8 px, tested along row, column and diagonals (the mean of the two
+/// answers that far off is within 0.5 px of the pixel's own). Then it is 0 where a pixel with a
+/// disparity larger by over 1 px claims the same pixel of the right image, and 1 at most where the
+/// gradient (as above) is below 1 grey level per px.
 [[nodiscard]] GradedPixels grade_pixels(const cv::Mat& left,
                                         const cv::Mat_<std::int16_t>& raw_16ths,
                                         const SearchRange& range, int speckle_size_px,
-                                        int speckle_range_px);
+                                        int speckle_range_px,
+                                        const cv::Mat_<std::uint8_t>& confidence = {});
 
 }  // namespace cairn::stereo

@@ -36,8 +36,8 @@ class SgmMatcher final : public Matcher {
       aggregate_paths(left_matched, right_matched, range, Penalties{}, cv::getNumThreads(),
                       winners_);
       const auto raw = standing_winners(winners_, range, config_.uniqueness_percent);
-      const GradedPixels graded =
-          grade_pixels(left_matched, raw, range, config_.speckle_size_px, kSpeckleRange_px);
+      const GradedPixels graded = grade_pixels(left_matched, raw, range, config_.speckle_size_px,
+                                               kSpeckleRange_px, winner_confidence(winners_));
       return on_grid(graded, config_, camera, utime);
     } catch (const cv::Exception& exception) {
       return fail(std::string("stereo pair: ") + exception.what());

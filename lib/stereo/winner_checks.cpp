@@ -9,7 +9,7 @@ namespace cairn::stereo {
 namespace {
 
 /// A surface that turns away lies a fraction of a pixel off for its neighbours.
-constexpr int kRightAllowance = 10;
+constexpr int kRightAllowance = 24;
 
 constexpr int kFitSteps = 128;  // of the fit's half pixel
 
@@ -35,6 +35,12 @@ int fraction_16ths(int below, int support, int above) {
   const int fraction = kTrueFractions_16ths[static_cast<std::size_t>(std::abs(fit))];
   return fit < 0 ? -fraction : fraction;
 }
+
+/// A mean margin of at least these gives confidence 1, 2, 3. In rendered rooms 18, 5, 0.3 and 0.0 %
+/// of the answers below, between and above are off by more than 1 px; in real pairs 39, 14, 3 and
+/// under 1 %.
+constexpr std::array<int, 3> kSureMargins{28, 48, 72};
+constexpr int kMarginWindow_px = 5;
 
 }  // namespace
 
@@ -63,6 +69,17 @@ cv::Mat_<std::int16_t> standing_winners(const Winners& winners, const SearchRang
   cv::medianBlur(stands, stands, 3);
   standing_16ths.setTo((range.min_px - 1) * 16, stands == 0);
   return standing_16ths;
+}
+
+cv::Mat_<std::uint8_t> winner_confidence(const Winners& winners) {
+  cv::Mat margin;
+  cv::boxFilter(winners.support - winners.runner_up, margin, CV_8U,
+                {kMarginWindow_px, kMarginWindow_px});
+  cv::Mat_<std::uint8_t> level_of(1, 256, std::uint8_t{0});
+  for (const int sure : kSureMargins) level_of.colRange(sure, 256) += 1;
+  cv::Mat confidence;
+  cv::LUT(margin, level_of, confidence);
+  return confidence;
 }
 
 }  // namespace cairn::stereo

@@ -20,4 +20,8 @@ namespace cairn::stereo {
                                                       const SearchRange& range,
                                                       int uniqueness_percent);
 
+/// Confidence 0 to 3: how far the winner's support lies above the runner-up's, on the mean over
+/// 5x5.
+[[nodiscard]] cv::Mat_<std::uint8_t> winner_confidence(const Winners& winners);
+
 }  // namespace cairn::stereo
