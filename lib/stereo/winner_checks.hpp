@@ -15,7 +15,8 @@ namespace cairn::stereo {
 /// below its own. A line through the supports of the winner and of the lesser of its neighbours,
 /// met by one of the opposite slope through the other neighbour's, gives the fraction (the
 /// equiangular fit of Shimizu and Okutomi 2001), corrected by a measured curve; the first and the
-/// last disparity searched have none.
+/// last disparity searched have none. After the median, the mean of what lies in line within 3 px
+/// along the column, then along the row.
 [[nodiscard]] cv::Mat_<std::int16_t> standing_winners(const Winners& winners,
                                                       const SearchRange& range,
                                                       int uniqueness_percent);
