@@ -2,6 +2,7 @@
 #include "mapping/depth_pyramid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <limits>
 #include <opencv2/imgproc.hpp>
@@ -38,21 +39,22 @@ void DepthPyramid::build(const RayGrid& rays) {
 
 void DepthPyramid::take_nearest_around(const RayGrid& rays) {
   Level& level = levels_[0];
-  cv::Mat_<float> ends_m(level.rows, level.cols);
+  ends_m_.create(level.rows, level.cols);
   for (int row = 0; row < level.rows; ++row) {
-    const double* from = rays.end_depth_m[row];
-    float* to = ends_m[row];
+    const double* const from = rays.end_depth_m[row];
+    float* const to = ends_m_[row];
     for (int col = 0; col < level.cols; ++col) {
       to[col] = from[col] == 0 ? kNone : static_cast<float>(from[col]);
     }
   }
-  cv::Mat_<float> nearest_m;
-  cv::erode(ends_m, nearest_m, cv::Mat());
+  cv::erode(ends_m_, nearest_end_m_, cv::Mat());
   std::size_t at = 0;
   for (int row = 0; row < level.rows; ++row) {
+    const float* const end = ends_m_[row];
+    const float* const nearest = nearest_end_m_[row];
     for (int col = 0; col < level.cols; ++col, ++at) {
-      const bool has_ray = ends_m(row, col) != kNone;
-      level.nearest_m[at] = has_ray ? nearest_m(row, col) : 0;
+      const bool has_ray = end[col] != kNone;
+      level.nearest_m[at] = has_ray ? nearest[col] : 0;
       level.farthest_m[at] = level.nearest_m[at];
       level.gapless_from[at] = has_ray ? 0 : 1;
     }
@@ -62,25 +64,28 @@ void DepthPyramid::take_nearest_around(const RayGrid& rays) {
 void DepthPyramid::halve(int n) {
   const Level& fine = level(n - 1);
   Level& coarse = levels_[static_cast<std::size_t>(n)];
+  const auto or_none = [](float end_m) { return end_m == 0 ? kNone : end_m; };
   std::size_t at = 0;
   for (int row = 0; row < coarse.rows; ++row) {
+    // Where the finer level ends halfway through a cell, its last row or column is taken twice.
+    const auto upper = static_cast<std::size_t>(2 * row * fine.cols);
+    const auto lower = static_cast<std::size_t>(std::min(2 * row + 1, fine.rows - 1) * fine.cols);
     for (int col = 0; col < coarse.cols; ++col, ++at) {
-      const int last_row = std::min(2 * row + 1, fine.rows - 1);
-      const int last_col = std::min(2 * col + 1, fine.cols - 1);
-      float nearest = kNone;
-      float farthest = 0;
-      int gapless_from = 0;
-      for (int r = 2 * row; r <= last_row; ++r) {
-        for (int c = 2 * col; c <= last_col; ++c) {
-          const auto i = static_cast<std::size_t>(r * fine.cols + c);
-          if (fine.nearest_m[i] != 0) nearest = std::min(nearest, fine.nearest_m[i]);
-          farthest = std::max(farthest, fine.farthest_m[i]);
-          gapless_from = std::max(gapless_from, fine.gapless_from[i]);
-        }
-      }
-      coarse.nearest_m[at] = nearest == kNone ? 0 : nearest;
-      coarse.farthest_m[at] = farthest;
-      coarse.gapless_from[at] = nearest == kNone ? n + 1 : gapless_from;
+      const auto left = static_cast<std::size_t>(2 * col);
+      const auto right = static_cast<std::size_t>(std::min(2 * col + 1, fine.cols - 1));
+      const std::array<std::size_t, 4> i{upper + left, upper + right, lower + left, lower + right};
+      const auto& nearest_m = fine.nearest_m;
+      const auto& farthest_m = fine.farthest_m;
+      const auto& gapless = fine.gapless_from;
+      const float nearest = std::min(std::min(or_none(nearest_m[i[0]]), or_none(nearest_m[i[1]])),
+                                     std::min(or_none(nearest_m[i[2]]), or_none(nearest_m[i[3]])));
+      const bool has_ray = nearest != kNone;
+      coarse.nearest_m[at] = has_ray ? nearest : 0;
+      coarse.farthest_m[at] = std::max(std::max(farthest_m[i[0]], farthest_m[i[1]]),
+                                       std::max(farthest_m[i[2]], farthest_m[i[3]]));
+      const int gapless_from =
+          std::max(std::max(gapless[i[0]], gapless[i[1]]), std::max(gapless[i[2]], gapless[i[3]]));
+      coarse.gapless_from[at] = has_ray ? gapless_from : n + 1;
     }
   }
 }

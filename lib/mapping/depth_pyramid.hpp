@@ -45,6 +45,8 @@ class DepthPyramid {
   void halve(int n);
 
   std::vector<Level> levels_;
+  cv::Mat_<float> ends_m_;
+  cv::Mat_<float> nearest_end_m_;
 };
 
 }  // namespace cairn::mapping

@@ -24,9 +24,10 @@ struct Interval {
 }  // namespace
 
 FreeSpaceFinder::FreeSpaceFinder(const RayGrid& rays, const DepthPyramid& pyramid,
-                                 const Isometry& T_map_camera, double resolution_m)
+                                 const Isometry& T_map_camera, double resolution_m, double reach_m)
     : pyramid_{pyramid},
       resolution_m_{resolution_m},
+      reach_m_{reach_m},
       f_px_{rays.f_px},
       cx_px_{rays.cx_px},
       cy_px_{rays.cy_px},
@@ -34,8 +35,8 @@ FreeSpaceFinder::FreeSpaceFinder(const RayGrid& rays, const DepthPyramid& pyrami
       cols_{rays.end_depth_m.cols},
       R_camera_map_{T_map_camera.linear().transpose()},
       origin_m_{T_map_camera.translation()},
-      reach_{R_camera_map_.cwiseAbs().rowwise().sum()},
-      half_depth_m_{0.5 * resolution_m * reach_.z()} {
+      half_size_{R_camera_map_.cwiseAbs().rowwise().sum()},
+      half_depth_m_{0.5 * resolution_m * half_size_.z()} {
   for (std::size_t i = 0; i < 64; ++i) {
     const VoxelIndex voxel = voxel_in({0, 0, 0}, static_cast<int>(i));
     const Eigen::Vector3d offset_m =
@@ -46,7 +47,9 @@ FreeSpaceFinder::FreeSpaceFinder(const RayGrid& rays, const DepthPyramid& pyrami
   }
 }
 
-FreeSpace FreeSpaceFinder::find() {
+void FreeSpaceFinder::find(FreeSpace& found) {
+  found.whole.clear();
+  found.parts.clear();
   const double depth_m = pyramid_.farthest_m();
   Eigen::AlignedBox3d view(origin_m_);
   for (const double u_px : {-0.5, cols_ - 0.5}) {
@@ -56,6 +59,8 @@ FreeSpace FreeSpaceFinder::find() {
       view.extend(origin_m_ + R_camera_map_.transpose() * corner_m);
     }
   }
+  const Eigen::Vector3d reach_m = Eigen::Vector3d::Constant(reach_m_);
+  view.clamp(Eigen::AlignedBox3d(origin_m_ - reach_m, origin_m_ + reach_m));
   const double brick_m = kBrickSide * resolution_m_;
   int side = kLargestCubeBricks;
   while (view.sizes().maxCoeff() > kLargestCubes * side * brick_m && side < kBrickLimit) side *= 2;
@@ -67,11 +72,10 @@ FreeSpace FreeSpaceFinder::find() {
   for (int z = cube_at(view.min().z()); z <= cube_at(view.max().z()); ++z) {
     for (int y = cube_at(view.min().y()); y <= cube_at(view.max().y()); ++y) {
       for (int x = cube_at(view.min().x()); x <= cube_at(view.max().x()); ++x) {
-        visit({{x * side, y * side, z * side}, side});
+        visit({{x * side, y * side, z * side}, side}, found);
       }
     }
   }
-  return std::move(found_);
 }
 
 FreeSpaceFinder::Extent FreeSpaceFinder::extent_of(const Cube& cube) const {
@@ -82,8 +86,8 @@ FreeSpaceFinder::Extent FreeSpaceFinder::extent_of(const Cube& cube) const {
   Extent extent;
   extent.middle_m = R_camera_map_ * (middle_m - origin_m_);
   extent.half_m = 0.5 * (voxels - 1) * resolution_m_;
-  extent.near_m = extent.middle_m.z() - extent.half_m * reach_.z();
-  extent.far_m = extent.middle_m.z() + extent.half_m * reach_.z();
+  extent.near_m = extent.middle_m.z() - extent.half_m * half_size_.z();
+  extent.far_m = extent.middle_m.z() + extent.half_m * half_size_.z();
   return extent;
 }
 
@@ -99,8 +103,8 @@ bool FreeSpaceFinder::out_of_view_sideways(const Extent& extent) const {
     const double high = std::max(0.0, (pixels - 0.5 - c_px) / f_px_) * extent.far_m;
     return middle_m + half_m < low || middle_m - half_m > high;
   };
-  return beside(extent.middle_m.x(), extent.half_m * reach_.x(), cx_px_, cols_) ||
-         beside(extent.middle_m.y(), extent.half_m * reach_.y(), cy_px_, rows_);
+  return beside(extent.middle_m.x(), extent.half_m * half_size_.x(), cx_px_, cols_) ||
+         beside(extent.middle_m.y(), extent.half_m * half_size_.y(), cy_px_, rows_);
 }
 
 FreeSpaceFinder::Verdict FreeSpaceFinder::judge(const Cube& cube, const Extent& extent) {
@@ -120,8 +124,8 @@ FreeSpaceFinder::Verdict FreeSpaceFinder::judge(const Cube& cube, const Extent& 
         extent.half_m * (R_camera_map_.row(axis) - slope * R_camera_map_.row(2)).cwiseAbs().sum();
     const double radius_px = f_px_ * beside_m / extent.near_m + kSlack_px;
     const double at_px = f_px_ * slope + c_px + 0.5;
-    const double first = std::floor(at_px - radius_px);
-    const double last = std::floor(at_px + radius_px);
+    const double first = std::clamp(std::floor(at_px - radius_px), -1.0, 1.0 * pixels);
+    const double last = std::clamp(std::floor(at_px + radius_px), -1.0, 1.0 * pixels);
     seen_whole_ = seen_whole_ && first >= 0 && last < pixels;
     return Interval{static_cast<int>(std::max(first, 0.0)),
                     static_cast<int>(std::min(last, pixels - 1.0))};
@@ -144,23 +148,23 @@ FreeSpaceFinder::Verdict FreeSpaceFinder::judge(const Cube& cube, const Extent& 
                                                                        : Verdict::kMixed;
 }
 
-void FreeSpaceFinder::visit(const Cube& cube) {
+void FreeSpaceFinder::visit(const Cube& cube, FreeSpace& found) {
   const Extent extent = extent_of(cube);
   const Verdict verdict = judge(cube, extent);
   if (verdict == Verdict::kNothing) return;
-  if (verdict == Verdict::kMixed && cube.side == 1) return carve(cube.low, extent);
+  if (verdict == Verdict::kMixed && cube.side == 1) return carve(cube.low, extent, found);
   const int step = verdict == Verdict::kMixed ? cube.side / 2 : 1;
   for (int z = 0; z < cube.side; z += step) {
     for (int y = 0; y < cube.side; y += step) {
       for (int x = 0; x < cube.side; x += step) {
         const BrickIndex low{cube.low.x + x, cube.low.y + y, cube.low.z + z};
-        verdict == Verdict::kMixed ? visit({low, step}) : found_.whole.push_back(low);
+        verdict == Verdict::kMixed ? visit({low, step}, found) : found.whole.push_back(low);
       }
     }
   }
 }
 
-void FreeSpaceFinder::carve(BrickIndex brick, const Extent& extent) {
+void FreeSpaceFinder::carve(BrickIndex brick, const Extent& extent, FreeSpace& found) const {
   const int level = level_at(std::max(extent.middle_m.z(), resolution_m_));
   const Eigen::Vector3d first_m = extent.middle_m - extent.half_m * R_camera_map_.rowwise().sum();
   const Eigen::Vector3d layer_m = resolution_m_ * R_camera_map_.col(2);
@@ -185,7 +189,7 @@ void FreeSpaceFinder::carve(BrickIndex brick, const Extent& extent) {
   view.clear_to_m = seen_whole_ ? seen_.nearest_m : 0;
   view.hidden_from_m = seen_.farthest_m;
   const VoxelMask free = voxels_in_free_space(view, offsets_);
-  if (free.any()) found_.parts.push_back({brick, free});
+  if (free.any()) found.parts.push_back({brick, free});
 }
 
 }  // namespace cairn::mapping

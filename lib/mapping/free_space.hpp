@@ -29,11 +29,14 @@ struct FreeSpace {
 /// wide, or of level 0.
 class FreeSpaceFinder {
  public:
-  /// rays: those that the pyramid was built of. resolution_m: side of a voxel.
+  /// rays: those that the pyramid was built of. resolution_m: side of a voxel. Nothing is looked
+  /// for farther than reach_m along an axis of the map, but for the rest of a largest cube there:
+  /// what a frame may cost does not depend on its camera.
   FreeSpaceFinder(const RayGrid& rays, const DepthPyramid& pyramid, const Isometry& T_map_camera,
-                  double resolution_m);
+                  double resolution_m, double reach_m);
 
-  [[nodiscard]] FreeSpace find();
+  /// Puts it in the place of what was there.
+  void find(FreeSpace& found);
 
  private:
   /// side x side x side bricks.
@@ -54,11 +57,12 @@ class FreeSpaceFinder {
   [[nodiscard]] int level_at(double depth_m) const;
   [[nodiscard]] bool out_of_view_sideways(const Extent& extent) const;
   [[nodiscard]] Verdict judge(const Cube& cube, const Extent& extent);
-  void visit(const Cube& cube);
-  void carve(BrickIndex brick, const Extent& extent);
+  void visit(const Cube& cube, FreeSpace& found);
+  void carve(BrickIndex brick, const Extent& extent, FreeSpace& found) const;
 
   const DepthPyramid& pyramid_;
   double resolution_m_;
+  double reach_m_;
   double f_px_;
   double cx_px_;
   double cy_px_;
@@ -66,12 +70,11 @@ class FreeSpaceFinder {
   int cols_;
   Eigen::Matrix3d R_camera_map_;
   Eigen::Vector3d origin_m_;
-  Eigen::Vector3d reach_;  ///< of a cube of half side 1 along the camera's axes
-  double half_depth_m_;    ///< of a voxel
+  Eigen::Vector3d half_size_;  ///< of a cube of half side 1 along the camera's axes
+  double half_depth_m_;        ///< of a voxel
   LayerOffsets offsets_;
   DepthPyramid::View seen_;  ///< where the cube last judged appears
   bool seen_whole_ = false;  ///< it lies in the image entirely
-  FreeSpace found_;
 };
 
 }  // namespace cairn::mapping

@@ -16,7 +16,9 @@ Result<Integration> ProjectiveIntegrator::integrate(const stereo::DisparityImage
   mark_hits(T_map_camera, map, counts);
   if (counts.rays == 0) return counts;
   pyramid_.build(rays_);
-  add(FreeSpaceFinder(rays_, pyramid_, T_map_camera, map.resolution_m()).find(), map, counts);
+  FreeSpaceFinder(rays_, pyramid_, T_map_camera, map.resolution_m(), config_.max_range_m)
+      .find(free_);
+  add_all(map, counts);
   std::sort(counts.changed.begin(), counts.changed.end());
   return counts;
 }
@@ -24,25 +26,34 @@ Result<Integration> ProjectiveIntegrator::integrate(const stereo::DisparityImage
 void ProjectiveIntegrator::mark_hits(const Isometry& T_map_camera, const VoxelMap& map,
                                      Integration& counts) {
   hits_.clear();
+  const Eigen::Vector3d from_m = T_map_camera.translation();
+  const Eigen::Matrix3d R = T_map_camera.linear();
+  const Eigen::Vector3d per_col = R.col(0) / rays_.f_px;
+  BrickIndex brick{kBrickLimit, 0, 0};  // no brick is there
+  std::uint32_t place = 0;
   for (int row = 0; row < rays_.end_depth_m.rows; ++row) {
-    const double y = (row - rays_.cy_px) / rays_.f_px;
+    const double* const end_m = rays_.end_depth_m[row];
+    const std::uint8_t* const is_hit = rays_.is_hit[row];
+    const Eigen::Vector3d along_row =
+        R.col(2) + R.col(1) * ((row - rays_.cy_px) / rays_.f_px) - rays_.cx_px * per_col;
     for (int col = 0; col < rays_.end_depth_m.cols; ++col) {
-      const double depth_m = rays_.end_depth_m(row, col);
-      if (depth_m == 0) continue;
+      if (end_m[col] == 0) continue;
       ++counts.rays;
-      if (rays_.is_hit(row, col) == 0) continue;
+      if (is_hit[col] == 0) continue;
       ++counts.hits;
-      const double x = (col - rays_.cx_px) / rays_.f_px;
-      const VoxelIndex end =
-          map.voxel_at(T_map_camera * Eigen::Vector3d{x * depth_m, y * depth_m, depth_m});
-      hits_[hits_.find_or_add(brick_of(end))].hits.set(index_in_brick(end));
+      const VoxelIndex end = map.voxel_at(from_m + end_m[col] * (along_row + col * per_col));
+      if (brick_of(end) != brick) {
+        brick = brick_of(end);
+        place = hits_.find_or_add(brick);
+      }
+      hits_[place].hits.set(index_in_brick(end));
     }
   }
 }
 
-void ProjectiveIntegrator::add(const FreeSpace& free, VoxelMap& map, Integration& counts) {
+void ProjectiveIntegrator::add_all(VoxelMap& map, Integration& counts) {
   const auto miss = static_cast<std::uint8_t>(config_.miss_evidence);
-  for (const BrickIndex brick : free.whole) {
+  for (const BrickIndex brick : free_.whole) {
     if (hits_.find(brick) != nullptr) {
       add(brick, VoxelMask::all(), map, counts);
       continue;
@@ -50,7 +61,7 @@ void ProjectiveIntegrator::add(const FreeSpace& free, VoxelMap& map, Integration
     counts.voxels += kBrickVoxels;
     if (map.add_free(brick, miss)) counts.changed.push_back(brick);
   }
-  for (const auto& [brick, voxels] : free.parts) add(brick, voxels, map, counts);
+  for (const auto& [brick, voxels] : free_.parts) add(brick, voxels, map, counts);
   for (const HitBrick& brick : hits_.all()) {
     if (!brick.added) add(brick.index, {}, map, counts);
   }

@@ -39,13 +39,14 @@ class ProjectiveIntegrator : public Integrator {
   };
 
   void mark_hits(const Isometry& T_map_camera, const VoxelMap& map, Integration& counts);
-  void add(const FreeSpace& free, VoxelMap& map, Integration& counts);
+  void add_all(VoxelMap& map, Integration& counts);
   void add(BrickIndex brick, const VoxelMask& misses, VoxelMap& map, Integration& counts);
 
   RayIntegratorConfig config_;
   RayGrid rays_;
   DepthPyramid pyramid_;
   BrickTable<HitBrick> hits_;
+  FreeSpace free_;
 };
 
 }  // namespace cairn::mapping

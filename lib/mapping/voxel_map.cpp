@@ -3,19 +3,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <tuple>
 
 namespace cairn::mapping {
 VoxelMap::VoxelMap(double resolution_m, const EvidenceConfig& config)
     : resolution_m_{resolution_m}, voxels_per_m_{1.0 / resolution_m}, rule_{config} {}
-
-VoxelIndex VoxelMap::voxel_at(const Eigen::Vector3d& point_map) const {
-  const auto cell = [this](double coordinate_m) {
-    return static_cast<std::int32_t>(std::floor(coordinate_m * voxels_per_m_));
-  };
-  return {cell(point_map.x()), cell(point_map.y()), cell(point_map.z())};
-}
 
 Eigen::Vector3d VoxelMap::centre_of(VoxelIndex voxel) const {
   return resolution_m_ * Eigen::Vector3d{voxel.x + 0.5, voxel.y + 0.5, voxel.z + 0.5};

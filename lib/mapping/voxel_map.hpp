@@ -52,7 +52,15 @@ class VoxelMap {
   [[nodiscard]] const Grid& grid() const { return grid_; }
 
   /// The voxel around a point [m]; the point must be within kVoxelLimit voxels of the origin.
-  [[nodiscard]] VoxelIndex voxel_at(const Eigen::Vector3d& point_map) const;
+  [[nodiscard]] VoxelIndex voxel_at(const Eigen::Vector3d& point_map) const {
+    // std::floor is a call into the C library on processors that the build must suit.
+    const auto cell = [this](double coordinate_m) {
+      const double voxels = coordinate_m * voxels_per_m_;
+      const auto towards_zero = static_cast<std::int32_t>(voxels);
+      return towards_zero - (voxels < towards_zero ? 1 : 0);
+    };
+    return {cell(point_map.x()), cell(point_map.y()), cell(point_map.z())};
+  }
   /// Centre of a voxel in the map frame [m].
   [[nodiscard]] Eigen::Vector3d centre_of(VoxelIndex voxel) const;
 

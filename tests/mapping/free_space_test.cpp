@@ -16,6 +16,7 @@ namespace cairn::mapping {
 namespace {
 
 constexpr double kVoxel_m = 0.02;
+constexpr double kReach_m = 10;  ///< farther than anything here
 
 enum class Answer { kFree, kNotFree, kTooCloseToCall };
 
@@ -137,7 +138,7 @@ Frame made_frame(unsigned seed, int rows, int cols) {
   Frame frame{made_rays(random, rows, cols), made_pose(random), {}};
   DepthPyramid pyramid;
   pyramid.build(frame.rays);
-  frame.free = FreeSpaceFinder(frame.rays, pyramid, frame.T_map_camera, kVoxel_m).find();
+  FreeSpaceFinder(frame.rays, pyramid, frame.T_map_camera, kVoxel_m, kReach_m).find(frame.free);
   return frame;
 }
 
@@ -203,9 +204,9 @@ TEST(FreeSpaceFinder, WhereNothingIsAnsweredNothingIsFree) {
   frame.rays.end_depth_m = 0.0;
   DepthPyramid pyramid;
   pyramid.build(frame.rays);
-  const FreeSpace free = FreeSpaceFinder(frame.rays, pyramid, frame.T_map_camera, kVoxel_m).find();
-  EXPECT_TRUE(free.whole.empty());
-  EXPECT_TRUE(free.parts.empty());
+  FreeSpaceFinder(frame.rays, pyramid, frame.T_map_camera, kVoxel_m, kReach_m).find(frame.free);
+  EXPECT_TRUE(frame.free.whole.empty());
+  EXPECT_TRUE(frame.free.parts.empty());
 }
 
 }  // namespace

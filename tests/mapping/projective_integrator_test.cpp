@@ -3,11 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "mapping/made_images.hpp"
 #include "mapping/ray_integrator.hpp"
+#include "mapping/thread_time.hpp"
 
 namespace cairn::mapping {
 namespace {
@@ -120,6 +123,47 @@ TEST(ProjectiveIntegrator, WhatHasGoneIsFreeSoonAfter) {
     ++frames;
   }
   EXPECT_LE(frames, 12);  // 2 empty a frame against 20 occupied
+}
+
+// Single near pixels all over: their voxels lie in bricks that are free but for them, too.
+TEST(ProjectiveIntegrator, AVoxelThatARayEndsInIsNeverFreedByTheSameFrame) {
+  std::mt19937 random{3};
+  std::uniform_real_distribution<double> uniform{0, 1};
+  std::size_t in_free_bricks = 0;
+  for (int frame = 0; frame < 12; ++frame) {
+    ProjectiveIntegrator integrator{to_range(3)};
+    VoxelMap map{kResolution_m};
+    const auto image = image_of(small_camera(640, 480), 1, [&](int, int) {
+      return uniform(random) < 2e-5 ? 1 + uniform(random) : 2.3;
+    });
+    const Isometry T_map_camera = pose({0.1, 0.2, 0.3}, 0.3 * frame, 0.2 * frame, 0.7 * frame);
+    ASSERT_TRUE(integrator.integrate(image, T_map_camera, map));
+    for (const VoxelIndex voxel : ends(image, T_map_camera, map)) {
+      EXPECT_EQ(map.state(voxel).occupied_evidence, RayIntegratorConfig{}.hit_evidence);
+      EXPECT_EQ(map.state(voxel).empty_evidence, 0);
+    }
+    map.grid().for_each([&](BrickIndex, const EvidenceBrick& brick) {
+      const VoxelMask empty = brick.empty_evidence().at_least(1);
+      const VoxelMask hit = brick.occupied_evidence.at_least(1);
+      in_free_bricks += hit.any() && empty.count() + hit.count() == kBrickVoxels ? 1 : 0;
+    });
+  }
+  EXPECT_GT(in_free_bricks, 0u) << "which would mean that this test shows nothing";
+}
+
+// A forged focal length: a view of hundreds of metres beside the camera.
+TEST(ProjectiveIntegrator, AnAbsurdCameraCostsNotMuchMoreThanAnyOther) {
+  const auto cost_ms = [](double f_px) {
+    ProjectiveIntegrator integrator{to_range(2)};
+    VoxelMap map{0.01};
+    auto image = image_of(small_camera(320, 240), 1, [](int, int) { return 5.0; });
+    image.camera.f_px = f_px;
+    image.camera.baseline_m = 80 / f_px;
+    const double before_ms = testing::thread_ms();
+    EXPECT_TRUE(integrator.integrate(image, pose({0, 0, 0}, 0, 0, 0), map));
+    return testing::thread_ms() - before_ms;
+  };
+  EXPECT_LT(cost_ms(1), 50 * cost_ms(320));
 }
 
 // Lazy counts leave no trace: a map that was read back from what the first one would write and one

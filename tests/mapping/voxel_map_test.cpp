@@ -64,19 +64,21 @@ TEST(VoxelMap, EvidenceClassesAndCountsFollowASimpleModel) {
   for (int i = 0; i < 400; ++i) {
     const BrickIndex brick = testing::random_brick(random, 1);
     const VoxelMask hits = testing::random_mask(random, 0.1);
-    const VoxelMask misses = testing::random_mask(random, 0.5);
+    const bool all_free = i % 3 != 0;
+    const VoxelMask misses = all_free ? VoxelMask::all() : testing::random_mask(random, 0.5);
     std::map<VoxelIndex, VoxelClass> before;
     for (int v = 0; v < kBrickVoxels; ++v) {
       const VoxelIndex voxel = voxel_in(brick, v);
       before[voxel] = map.state(voxel).voxel_class;
       auto& [occ, emp] = model[voxel];
-      if (hits.test(v)) {
+      if (!all_free && hits.test(v)) {
         occ = std::min(255, occ + 9);
       } else if (misses.test(v)) {
-        emp = std::min(255, emp + 40);
+        emp = std::min(255, emp + 3);
       }
     }
-    const bool changed = map.add_evidence(brick, hits, misses, 9, 40);
+    const bool changed =
+        all_free ? map.add_free(brick, 3) : map.add_evidence(brick, hits, misses, 9, 3);
     const bool expected = std::any_of(before.begin(), before.end(), [&](const auto& entry) {
       return map.state(entry.first).voxel_class != entry.second;
     });
