@@ -105,6 +105,7 @@ mapping::MapReplica::Changes MapFollower::take_changes() {
 void MapFollower::start_over() {
   replica_ = {};
   started_over_ = true;
+  compared_ = false;
   waiting_.clear();
   coming_.reset();
   digest_.reset();
@@ -128,6 +129,7 @@ void MapFollower::compare(const Digest& digest) {
     replica_ = {};
     started_over_ = true;
   }
+  compared_ = true;
   const auto asked = std::exchange(lacking_, {});
   const auto lacks = [&](TileIndex tile, std::uint64_t hash) {
     const auto ours = replica_.tile_state(tile);

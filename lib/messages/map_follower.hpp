@@ -58,6 +58,9 @@ class MapFollower {
 
   /// Tiles that are known to be missing or out of date.
   [[nodiscard]] std::size_t tiles_lacking() const { return lacking_.size(); }
+  /// Whether a digest was compared with the copy since it began, and nothing is known to be
+  /// lacking.
+  [[nodiscard]] bool whole() const { return compared_ && lacking_.empty(); }
   /// Batches of changes that came after the frame at which they should have taken effect. They, and
   /// answers to requests, are what can make a live run differ from lockstep.
   [[nodiscard]] std::int64_t late() const { return late_; }
@@ -77,6 +80,7 @@ class MapFollower {
 
   mapping::MapReplica replica_;
   bool started_over_ = false;
+  bool compared_ = false;
   std::multimap<Utime, mapping::MapDelta> waiting_;
   std::deque<Utime> frames_;
   std::optional<Utime> applied_through_;

@@ -13,6 +13,8 @@ constexpr double kSpeedStep_mps = 0.025;
 constexpr double kRounding = 1e-9;
 constexpr double kSightDepth_m = 0.12;  // how far beyond view_from_m floor must be seen
 constexpr double kSightBefore_m = 0.1;
+constexpr std::size_t kStridesBefore = 6;
+constexpr double kCameNearer_m = 0.05;  // the robot by itself, to what it sees no more
 
 std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
 
@@ -33,6 +35,7 @@ void Clearance::forget() {
 }
 
 void Clearance::see(const stereo::DisparityImage& image, const Eigen::Isometry2d& T_start_body) {
+  if (!seen_utime_) began_at_m_ = T_start_body.translation();
   view_.look(image);
   memory_.add(view_, image, T_start_body);
   seen_utime_ = image.utime;
@@ -65,8 +68,12 @@ Clearance::Limit Clearance::spot_limit(const Eigen::Vector2d& at_body_m, Utime n
     return {robot_.max_speed_mps, "free"};
   if (!missed && spot.floor_utime >= now - microseconds(config_.slow_memory_s))
     return {config_.slow_mps, at_metres("floor seen long ago at", ahead_m, "")};
-  if (at_body_m.x() < config_.ground.view_from_m && spot.missed_utime < now - obstacle_us)
-    return {config_.creep_mps, at_metres("out of the cameras' sight at", ahead_m, "")};
+  if (!missed && at_body_m.x() < config_.ground.view_from_m) {
+    const double began_m = config_.ground.view_from_m + kSightDepth_m;
+    if (spot.floor_utime != GroundSpot::kNever ||
+        (T_start_body * at_body_m - began_at_m_).norm() < began_m)
+      return {config_.creep_mps, at_metres("out of the cameras' sight at", ahead_m, "")};
+  }
   return {0, at_metres("nothing seen from", ahead_m, " on")};
 }
 
@@ -80,27 +87,48 @@ bool Clearance::floor_in_sight(double y_m, const Eigen::Isometry2d& T_start_body
   return false;
 }
 
-bool Clearance::hidden_by_something_known(double y_m, const Eigen::Isometry2d& T_start_body) const {
+// Of what is known, the near side is known, too: floor was seen just before it since it is there.
+// Only the far side may be in sight of who stands at the cameras' nearest range.
+bool Clearance::hidden_by_something_known(const Eigen::Vector2d& from_m,
+                                          const Eigen::Vector2d& to_m,
+                                          const Eigen::Isometry2d& T_start_body) const {
   const Utime lately = *seen_utime_ - microseconds(config_.memory_s);
-  const Eigen::Vector2d to_m(config_.ground.view_from_m + kSightDepth_m, y_m);
-  for (const Eigen::Vector2d& eye_m : eyes_m_) {
-    const Eigen::Vector2d way = to_m - eye_m;
-    const double stride = kStride_m / way.norm();
-    for (double share = stride; share <= 1; share += stride) {
-      const Eigen::Vector2d p = eye_m + share * way;
-      if (p.x() < robot_.length_m / 2) continue;
-      const GroundSpot spot = memory_.at(T_start_body * p);
-      if (spot.blocked && !spot.drop && spot.obstacle_utime >= lately) return true;
+  const Utime just_now = *seen_utime_ - microseconds(config_.sight_hole_s);
+  const Eigen::Vector2d way = to_m - from_m;
+  const double stride = kStride_m / way.norm();
+  std::array<Utime, kStridesBefore> floor_before;
+  floor_before.fill(GroundSpot::kNever);
+  std::size_t strides = 0;
+  for (double share = stride; share <= 1; share += stride) {
+    const Eigen::Vector2d p = from_m + share * way;
+    if (p.x() < robot_.length_m / 2) continue;
+    const GroundSpot spot = memory_.at(T_start_body * p);
+    if (!spot.blocked) {
+      floor_before[strides++ % kStridesBefore] = spot.floor_utime;
+      continue;
     }
+    if (spot.drop || spot.obstacle_utime < lately) continue;
+    const bool came_nearer = p.x() < static_cast<double>(spot.obstacle_ahead_m) - kCameNearer_m;
+    const Utime floor_utime = *std::max_element(floor_before.begin(), floor_before.end());
+    if (floor_utime >= spot.blocked_since && (came_nearer || spot.obstacle_utime >= just_now))
+      return true;
   }
   return false;
+}
+
+bool Clearance::lane_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const {
+  if (floor_in_sight(y_m, T_start_body)) return true;
+  const Eigen::Vector2d to_m(config_.ground.view_from_m + kSightDepth_m, y_m);
+  return std::any_of(eyes_m_.begin(), eyes_m_.end(), [&](const Eigen::Vector2d& eye_m) {
+    return hidden_by_something_known(eye_m, to_m, T_start_body);
+  });
 }
 
 // Every lane must show floor where sight of it begins, unless what hides it is known.
 Clearance::Limit Clearance::sight_limit(const Eigen::Isometry2d& T_start_body) const {
   const double half_m = robot_.width_m / 2 + config_.side_margin_m;
   for (double y = -half_m; y <= half_m + kRounding; y += GroundMemory::kSpot_m) {
-    if (floor_in_sight(y, T_start_body) || hidden_by_something_known(y, T_start_body)) continue;
+    if (lane_in_sight(y, T_start_body)) continue;
     return {
         0, at_metres("nothing seen from", config_.ground.view_from_m - robot_.length_m / 2, " on")};
   }

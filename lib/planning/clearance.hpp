@@ -17,12 +17,12 @@ namespace cairn::planning {
 
 struct ClearanceConfig {
   GroundConfig ground;
-  double side_margin_m = 0.05;
+  double side_margin_m = 0.10;
   double front_margin_m = 0.10;
   double reaction_s = 0.35;
   double creep_mps = 0.1;
-  double memory_s = 2;
-  double slow_memory_s = 8;
+  double memory_s = 3;
+  double slow_memory_s = 30;
   double slow_mps = 0.3;
   double obstacle_memory_s = 30;
   double sight_hole_s = 0.3;
@@ -34,7 +34,7 @@ struct ClearanceConfig {
     v.number("reaction_s", reaction_s, {0, 5}, "s",
              "from the image until the tracks begin to brake");
     v.number("creep_mps", creep_mps, {0, 1}, "m/s",
-             "on ground that the cameras never had in sight, from here to where they look");
+             "on near floor that was seen longer than slow_memory_s ago, and where it began");
     v.number("memory_s", memory_s, {0, 60}, "s", "floor seen this long ago is as good as new");
     v.number("slow_memory_s", slow_memory_s, {0, 120}, "s",
              "floor seen this long ago is good for slow_mps");
@@ -94,8 +94,10 @@ class Clearance {
   [[nodiscard]] Limit spot_limit(const Eigen::Vector2d& at_body_m, Utime now,
                                  const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] bool floor_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const;
-  [[nodiscard]] bool hidden_by_something_known(double y_m,
+  [[nodiscard]] bool hidden_by_something_known(const Eigen::Vector2d& from_m,
+                                               const Eigen::Vector2d& to_m,
                                                const Eigen::Isometry2d& T_start_body) const;
+  [[nodiscard]] bool lane_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] Limit sight_limit(const Eigen::Isometry2d& T_start_body) const;
   [[nodiscard]] Limit sweep_limit(double speed_mps, double turn_radps, Utime now,
                                   const Eigen::Isometry2d& T_start_body) const;
@@ -105,6 +107,7 @@ class Clearance {
   GroundView view_;
   GroundMemory memory_;
   std::optional<Utime> seen_utime_;
+  Eigen::Vector2d began_at_m_ = Eigen::Vector2d::Zero();  ///< in the standing frame
   std::array<Eigen::Vector2d, 2> eyes_m_;  ///< of the newest image; in the body frame, from above
 };
 

@@ -51,8 +51,8 @@ std::vector<std::uint8_t> could_stand(const GroundMap& ground, const RouteField&
   return stands;
 }
 
-/// Unknown cells that belong to a square of three by three unknown ones.
-std::vector<std::uint8_t> broad_unknown(const GroundMap& ground) {
+/// Cells that were not seen and belong to a square of three by three such ones.
+std::vector<std::uint8_t> broad_unseen(const GroundMap& ground) {
   const CellBox& box = ground.box;
   std::vector<std::uint8_t> broad(ground.classes.size(), 0);
   const auto row = static_cast<std::size_t>(box.width);
@@ -62,7 +62,7 @@ std::vector<std::uint8_t> broad_unknown(const GroundMap& ground) {
       bool all = true;
       for (std::size_t i = middle - row - 1; all && i <= middle + row - 1; i += row) {
         for (std::size_t j = i; all && j < i + 3; ++j) {
-          all = ground.classes[j] == ColumnClass::kUnknown;
+          all = ground.classes[j] == ColumnClass::kUnknown || ground.assumed[j] != 0;
         }
       }
       if (!all) continue;
@@ -80,7 +80,7 @@ void Exploration::update(const GroundMap& ground, const RouteField& routes, doub
                          double margin_m) {
   const auto stands = could_stand(ground, routes, turning_radius_m + margin_m);
   const auto to_standing_m = distance_to_marked_m(ground.box, stands);
-  const auto broad = broad_unknown(ground);
+  const auto broad = broad_unseen(ground);
   wanted_ = CellGrid<std::uint8_t>(ground.box, 0);
   for (std::size_t i = 0; i < broad.size(); ++i) {
     wanted_.values[i] = broad[i] != 0 && ground.reached[i] != 0 &&
@@ -180,6 +180,33 @@ std::optional<Viewpoint> Exploration::choose(const GroundMap& ground, const Rout
     for (std::int32_t x = box.x0; x < box.x0 + box.width; x += kLattice) consider({x, y});
   }
   consider(routes.from);
+  return best;
+}
+
+std::optional<Viewpoint> Exploration::see_spot(const GroundMap& ground, const RouteField& routes,
+                                               const Pose2& robot, const BlockedSpot& spot) const {
+  std::optional<Viewpoint> best;
+  double best_s = 0;
+  const double nearest_m = config_.view_from_m + spot.radius_m;
+  const CellBox& box = ground.box;
+  for (std::int32_t y = box.y0; y < box.y0 + box.height; y += kLattice) {
+    for (std::int32_t x = box.x0; x < box.x0 + box.width; x += kLattice) {
+      const Cell cell{x, y};
+      const Eigen::Vector2d way = spot.at_m - centre_m(cell);
+      const double distance_m = way.norm();
+      if (!routes.reaches(cell) || distance_m < nearest_m || distance_m > config_.view_to_m)
+        continue;
+      const double heading_rad = std::atan2(way.y(), way.x());
+      const double needed_s = time_s(routes, robot, cell, heading_rad);
+      if (best && needed_s >= best_s) continue;
+      bool free = true;
+      for (double r = kStride_m; free && r < distance_m - spot.radius_m; r += kStride_m)
+        free = ground.at(cell_at(centre_m(cell) + r / distance_m * way)) != ColumnClass::kOccupied;
+      if (!free) continue;
+      best = Viewpoint{{centre_m(cell), heading_rad}, 0};
+      best_s = needed_s;
+    }
+  }
   return best;
 }
 

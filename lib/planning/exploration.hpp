@@ -17,7 +17,7 @@ struct ExplorationConfig {
   double view_from_m = 0.7;
   double view_to_m = 2.4;
   double view_angle_deg = 50;
-  double least_m2 = 0.06;
+  double least_m2 = 0.1;
   double worth_s_per_m2 = 20;
   double cruise_mps = 0.35;
   double turn_radps = 0.7;
@@ -42,9 +42,9 @@ struct Viewpoint {
 };
 
 /// Decides what is still worth looking at, and from where (next best view, Connolly 1985; Yamauchi
-/// 1997 for frontiers). Wanted is unknown ground that the robot's body could come to stand on if it
-/// turned out to be floor, no narrower than 15 cm. What was looked at kMostLooks times and stayed
-/// unknown is given up.
+/// 1997 for frontiers). Wanted is ground that was not seen, no narrower than 15 cm, that the
+/// robot's body could come to stand on if it turned out to be floor. What was looked at kMostLooks
+/// times and stayed unknown is given up.
 class Exploration {
  public:
   static constexpr int kMostLooks = 2;
@@ -60,6 +60,12 @@ class Exploration {
   /// The best place to look from; nothing if all views show less than least_m2.
   [[nodiscard]] std::optional<Viewpoint> choose(const GroundMap& ground, const RouteField& routes,
                                                 const Pose2& robot) const;
+
+  /// The place that is reached first from which a spot comes into view as a whole, nothing standing
+  /// before it; nothing if there is none.
+  [[nodiscard]] std::optional<Viewpoint> see_spot(const GroundMap& ground, const RouteField& routes,
+                                                  const Pose2& robot,
+                                                  const BlockedSpot& spot) const;
 
   /// Wanted floor in view from a pose [m2].
   [[nodiscard]] double gain_m2(const GroundMap& ground, const Pose2& from) const;

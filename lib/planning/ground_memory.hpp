@@ -18,6 +18,8 @@ struct GroundSpot {
   Utime missed_utime = kNever;    ///< last looked at, or suspect, without seeing floor
   Utime obstacle_utime = kNever;  ///< last seen to be in the way, or a drop
   bool blocked = false;           ///< in the way, and not seen to be gone since
+  Utime blocked_since = kNever;   ///< when what blocks was seen first
+  float obstacle_ahead_m = 0;     ///< how far ahead of the body it was when it was seen last
   bool drop = false;              ///< what blocks is a drop
 };
 
@@ -34,14 +36,18 @@ class GroundMemory {
 
   /// Adds what one image showed of the ground, seen from `T_start_body`. A plain obstacle is there
   /// at once, others and drops when seen twice; it is gone when floor is seen in its place as often
-  /// as it was seen (six times are enough), or what lies behind it is seen through it.
+  /// as it was seen (six times are enough), or what lies behind it is seen through it. What is
+  /// hidden from one of the cameras by something that was seen, now or before, counts as not looked
+  /// at.
   void add(const GroundView& view, const stereo::DisparityImage& image,
            const Eigen::Isometry2d& T_start_body);
 
-  /// Something is in the way at a point of the standing frame, whatever was seen of it before.
+  /// Something is in the way at a point of the standing frame, whatever was seen of it before; no
+  /// camera saw it.
   void block(const Eigen::Vector2d& point_m, Utime utime);
 
-  /// What is known of a point of the standing frame.
+  /// What is known of a point of the standing frame. Gaps of up to 12 cm in floor that was seen are
+  /// floor, as of the older of its sides.
   [[nodiscard]] GroundSpot at(const Eigen::Vector2d& point_m) const;
 
  private:
@@ -54,14 +60,23 @@ class GroundMemory {
     Utime floor_utime = GroundSpot::kNever;
     Utime missed_utime = GroundSpot::kNever;
     Utime obstacle_utime = GroundSpot::kNever;
+    Utime blocked_since = GroundSpot::kNever;
     float top_m = 0;
+    float obstacle_ahead_m = 0;
     std::int8_t score = 0;  ///< from kBlockedScore on: blocked
     bool drop = false;
   };
 
+  struct Looked {
+    Cell* cell;
+    Eigen::Vector2d at_body_m;
+  };
+
   [[nodiscard]] static std::int32_t spot_of(double metres);
+  [[nodiscard]] const Cell* find(std::int32_t ix, std::int32_t iy) const;
+  [[nodiscard]] Utime floor_on_both_sides(std::int32_t ix, std::int32_t iy) const;
   [[nodiscard]] Cell& take(std::int32_t ix, std::int32_t iy);
-  void add_to(Cell& cell, const GroundCell& seen, Utime utime);
+  void add_to(Cell& cell, const GroundCell& seen, double ahead_m, Utime utime);
   void look_through(Cell& cell, const Eigen::Vector2d& at_body_m,
                     const stereo::DisparityImage& image, const Isometry& T_camera_body);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numbers>
 
 #include "stereo/depth_noise.hpp"
@@ -19,12 +20,17 @@ constexpr double kDisparitySigma_px = 0.3;
 constexpr double kSigmas = 3;
 constexpr double kTilt_rad = 0.01;  // of the camera, by calibration and by driving off
 constexpr double kLookBack_m = 0.3;
+constexpr std::size_t kSquaresBefore = 3;
+constexpr double kJustBefore_m = 0.15;
+constexpr int kLanesBeside = 3;
+constexpr double kTall_m = 0.05;
 constexpr double kNearFloorDepth_m = 0.35;
 constexpr double kNearFloorHalfWidth_m = 0.3;
 constexpr int kNearFloorCells = 12;
 constexpr double kLeastRange_m = 0.1;
 constexpr double kImageMargin_px = 8;
-constexpr int kEnclosed = 5;  // of 8 neighbours
+constexpr int kEnclosed = 5;        // of 8 neighbours
+constexpr double kSureAnswers = 8;  // of so many that floor would give some always come
 
 }  // namespace
 
@@ -53,7 +59,8 @@ void GroundView::look(const stereo::DisparityImage& image) {
   fb_px_m_ = image.camera.f_px * image.camera.baseline_m;
   eye_m_ = std::max(0.05, image.camera.T_body_camera.translation().z());
   collect(image);
-  for (int across = 0; across < kAcross; ++across) judge_lane(across);
+  for (int across = kAcross / 2; across < kAcross; ++across) judge_lane(across, across - 1);
+  for (int across = kAcross / 2 - 1; across >= 0; --across) judge_lane(across, across + 1);
   find_hidden_step();
   mark_drops();
   close_gaps();
@@ -71,6 +78,7 @@ void GroundView::collect(const stereo::DisparityImage& image) {
   const auto half_m = static_cast<float>(kAcross * kCell_m / 2);
   const auto slope = static_cast<float>(slope_);
   const auto step = static_cast<float>(config_.step_m);
+  const auto sure_from_m = static_cast<float>(config_.view_from_m - kCell_m);
   for (int row = 0; row < image.rows(); ++row) {
     const float v =
         (static_cast<float>(row * image.step_px) - static_cast<float>(camera.cy_px)) * inverse_f;
@@ -86,11 +94,13 @@ void GroundView::collect(const stereo::DisparityImage& image) {
       const Eigen::Vector3f way = R * Eigen::Vector3f(u * depth_m, v * depth_m, depth_m);
       const Eigen::Vector3f p = eye + way;
       if (p.z() > static_cast<float>(top_m_)) continue;
-      if (code[col] > 0 && p.z() < -step - slope * p.x()) {
+      if (p.z() < -step - slope * p.x()) {
         const float share = eye.z() / -way.z();
         const float x = eye.x() + share * way.x();
         const float y = eye.y() + share * way.y();
-        if (x > 0 && x < reach_m && std::abs(y) < half_m) {
+        // There floor is too near for a matcher, and what it answers is made up.
+        if (x < sure_from_m) continue;
+        if (code[col] > 0 && x < reach_m && std::abs(y) < half_m) {
           ++holes_[index(static_cast<int>(x / static_cast<float>(kCell_m)),
                          static_cast<int>((y + half_m) / static_cast<float>(kCell_m)))];
         }
@@ -116,12 +126,40 @@ double GroundView::noise_m(double range_m) const {
   return kSigmas * sigma_m * eye_m_ / range_m;
 }
 
-void GroundView::judge_lane(int across) {
+void GroundView::judge_lane(int across, int beside) {
   std::vector<Reference> floor{{robot_.length_m / 2, 0}};
-  for (int ahead = 0; ahead < kAhead; ++ahead) judge_cell(ahead, across, floor);
+  for (int ahead = 0; ahead < kAhead; ++ahead) judge_cell(ahead, across, beside, floor);
 }
 
-void GroundView::judge_cell(int ahead, int across, std::vector<Reference>& floor) {
+// As high and as low as floor may be by the floor just before and beside it, by more than one
+// square of it, for a matcher may err about a patch.
+GroundView::Bounds GroundView::bounds_by_floor_near(int ahead, int across, int beside,
+                                                    double step_m,
+                                                    const std::vector<Reference>& floor) const {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  Bounds bounds{kNone, -kNone};
+  const auto allow = [&](const Reference& from) {
+    const double reach_m = step_m + slope_ * std::max(kCell_m, x_m(ahead) - from.x_m);
+    bounds.low_m = std::min(bounds.low_m, from.height_m - reach_m);
+    bounds.high_m = std::max(bounds.high_m, from.height_m + reach_m);
+  };
+  for (std::size_t i = 0; i < std::min(floor.size(), kSquaresBefore); ++i) {
+    const Reference& before = floor[floor.size() - 1 - i];
+    if (i == 0 || before.x_m > floor.back().x_m - kJustBefore_m) allow(before);
+  }
+  const int away = beside - across;
+  for (int lane = 1; lane <= kLanesBeside; ++lane) {
+    const int y = across + lane * away;
+    if (y < 0 || y >= kAcross) break;
+    for (int x = std::max(0, ahead - kLanesBeside); x <= ahead; ++x) {
+      if (cell(x, y).ground == Ground::kFloor)
+        allow({x_m(x), static_cast<double>(heights_m_[index(x, y)])});
+    }
+  }
+  return bounds;
+}
+
+void GroundView::judge_cell(int ahead, int across, int beside, std::vector<Reference>& floor) {
   const std::size_t at = index(ahead, across);
   const Column& column = columns_[at];
   const double x = x_m(ahead);
@@ -132,21 +170,23 @@ void GroundView::judge_cell(int ahead, int across, std::vector<Reference>& floor
   const double floor_answers =
       std::max(1.0, kFloorShare * std::pow(per_m * kCell_m, 2) * eye_m_ / range_m);
 
-  // As high and as low as floor may be here: by the floor just before, by the floor a while
-  // before, and by the floor that the robot stands on.
+  // As high and as low as floor may be here: by the floor that the robot stands on, by the floor
+  // just before, and by the floor a while before.
   const double step_m = config_.step_m + noise_m(range_m);
-  double high_m = step_m + kTilt_rad * x + slope_ * std::max(0.0, x - robot_.length_m / 2);
+  const double level_m = step_m + kTilt_rad * x;  // as high is what the robot stands on
+  double high_m = level_m + slope_ * std::max(0.0, x - robot_.length_m / 2);
   double low_m = -high_m;
-  const auto bound = [&](const Reference& reference) {
-    const double reach_m = step_m + slope_ * std::max(0.0, x - reference.x_m);
-    high_m = std::min(high_m, reference.height_m + reach_m);
-    low_m = std::max(low_m, reference.height_m - reach_m);
-  };
-  bound(floor.back());
+  const Bounds near = bounds_by_floor_near(ahead, across, beside, step_m, floor);
+  high_m = std::min(high_m, near.high_m);
+  low_m = std::max(low_m, near.low_m);
   const auto back = std::find_if(floor.rbegin(), floor.rend(), [&](const Reference& reference) {
     return reference.x_m <= x - kLookBack_m;
   });
-  if (back != floor.rend()) bound(*back);
+  if (back != floor.rend()) {
+    const double reach_m = step_m + slope_ * (x - back->x_m);
+    high_m = std::min(high_m, back->height_m + reach_m);
+    low_m = std::max(low_m, back->height_m - reach_m);
+  }
 
   const auto bin_of = [](double height_m) {
     return std::clamp(static_cast<int>(std::floor((height_m - kBottom_m) / kBin_m)) + 1, 0,
@@ -154,8 +194,10 @@ void GroundView::judge_cell(int ahead, int across, std::vector<Reference>& floor
   };
   const int low_bin = bin_of(low_m);
   const int high_bin = bin_of(high_m);
+  const int level_bin = bin_of(level_m);
   double below = 0;
   double level = 0;
+  double unsure_level = 0;
   double above = 0;
   double height_sum_m = 0;
   for (int bin = 0; bin < kBins; ++bin) {
@@ -163,18 +205,20 @@ void GroundView::judge_cell(int ahead, int across, std::vector<Reference>& floor
     if (bin < low_bin) {
       below += sure;
     } else if (bin > high_bin) {
-      above += column.answers[bin];
+      if (bin > level_bin) above += column.answers[bin];
     } else {
       level += sure;
+      unsure_level += column.answers[bin] - sure;
       height_sum_m += sure * (kBottom_m + (bin - 0.5) * kBin_m);
     }
   }
   GroundCell& cell = cells_[at];
   if (above >= obstacle_answers) {
     cell.ground = Ground::kObstacle;
-    cell.plain = above >= 2 * obstacle_answers;
+    cell.plain =
+        above >= 2 * obstacle_answers && static_cast<double>(column.top_m) > high_m + kTall_m;
     cell.top_m = column.top_m;
-  } else if (below >= obstacle_answers && below > level) {
+  } else if (below >= obstacle_answers && below > level + unsure_level) {
     cell.ground = Ground::kDrop;
   } else if (level >= floor_answers) {
     cell.ground = Ground::kFloor;
@@ -266,12 +310,26 @@ void GroundView::close_gaps() {
   for (const std::size_t gap : gaps) cells_[gap].ground = Ground::kFloor;
 }
 
+bool GroundView::has_floor_beside(int ahead, int across) const {
+  constexpr int kReach = 2;
+  for (int y = std::max(0, across - kReach); y <= std::min(kAcross - 1, across + kReach); ++y) {
+    for (int x = std::max(0, ahead - kReach); x <= std::min(kAhead - 1, ahead + kReach); ++x) {
+      if (cell(x, y).ground == Ground::kFloor) return true;
+    }
+  }
+  return false;
+}
+
+// Patches of floor up to some 10 cm wide get no answer, or none that is sure; where floor is seen
+// right beside, an unseen square tells nothing. What stands there hides more than that.
 void GroundView::mark_looked_at(const stereo::DisparityImage& image) {
   const stereo::RectifiedCamera& camera = image.camera;
   const Isometry T_camera_body = camera.T_body_camera.inverse();
   for (int across = 0; across < kAcross; ++across) {
     for (int ahead = 0; ahead < kAhead; ++ahead) {
-      if (x_m(ahead) < config_.view_from_m) continue;
+      if (x_m(ahead) < config_.view_from_m || has_floor_beside(ahead, across)) continue;
+      const double per_m = scale_ / x_m(ahead);
+      if (std::pow(per_m * kCell_m, 2) * eye_m_ / x_m(ahead) < kSureAnswers) continue;
       const Eigen::Vector3d p = T_camera_body * Eigen::Vector3d(x_m(ahead), y_m(across), 0);
       if (!(p.z() > kLeastRange_m)) continue;
       const double u = camera.cx_px + camera.f_px * p.x() / p.z();

@@ -38,9 +38,10 @@ enum class Ground : std::uint8_t {
 
 struct GroundCell {
   Ground ground = Ground::kUnseen;
-  bool looked_at = false;  ///< both cameras would see a floor there
+  bool looked_at =
+      false;             ///< no floor there or beside, though cameras would see one if it was bare
   bool suspect = false;  ///< out of sight, and a step lies somewhere between here and what is seen
-  bool plain = false;    ///< an obstacle seen by twice the answers that make one
+  bool plain = false;    ///< an obstacle of some height, seen by twice the answers that make one
   float top_m = 0;       ///< of an obstacle: how high it was seen, at most
 };
 
@@ -57,9 +58,10 @@ class GroundView {
   /// seen there goes on from the floor before it by at most the slope and a step; so a ramp is
   /// floor, and a kerb of the same height is not. Where the nearest floor that is seen, carried on
   /// down to the robot by its own slope, misses the floor that the robot stands on by over a step,
-  /// it is a step that lies out of sight: the ground between is suspect. An obstacle takes as many
-  /// answers as a third of a patch of 2.5 cm gives at its distance, of whatever confidence; floor
-  /// and drops take confident ones.
+  /// it is a step that lies out of sight: the ground between is suspect. What is no floor and
+  /// no higher than what the robot stands on is nothing. An obstacle takes as many answers as a
+  /// third of a patch of 2.5 cm gives at its distance, of whatever confidence; floor and drops take
+  /// confident ones.
   void look(const stereo::DisparityImage& image);
 
   [[nodiscard]] const GroundCell& cell(int ahead, int across) const {
@@ -92,12 +94,19 @@ class GroundView {
     return static_cast<std::size_t>(across) * kAhead + static_cast<std::size_t>(ahead);
   }
   void collect(const stereo::DisparityImage& image);
-  void judge_lane(int across);
-  void judge_cell(int ahead, int across, std::vector<Reference>& floor);
+  struct Bounds {
+    double low_m;
+    double high_m;
+  };
+  void judge_lane(int across, int beside);
+  void judge_cell(int ahead, int across, int beside, std::vector<Reference>& floor);
+  [[nodiscard]] Bounds bounds_by_floor_near(int ahead, int across, int beside, double step_m,
+                                            const std::vector<Reference>& floor) const;
   [[nodiscard]] double noise_m(double range_m) const;
   void mark_drops();
   void find_hidden_step();
   void close_gaps();
+  [[nodiscard]] bool has_floor_beside(int ahead, int across) const;
   void mark_looked_at(const stereo::DisparityImage& image);
 
   GroundConfig config_;

@@ -15,6 +15,7 @@ namespace {
 constexpr std::int64_t kCarryPose_us = 200'000;
 constexpr std::int64_t kStale_us = 400'000;
 constexpr std::int64_t kMapComes_us = 6'000'000;
+constexpr std::int64_t kMapBehind_us = 2'000'000;  // of a mapper that keeps up, at most
 constexpr double kEscape_m = 0.35;  // around the robot, ways may lead nearer to obstacles
 constexpr double kJump_m = 0.5;     // of the pose from one step to the next: put down elsewhere
 constexpr double kHere_m = 0.08;
@@ -27,7 +28,11 @@ constexpr double kEnclosed_m2 = 0.5;
 constexpr double kSlowest_mps = 0.12;  // where there is no room to spare
 constexpr double kSpeedPerRoom = 1.2;  // m/s more for each metre of room
 constexpr double kBackTurn_radps = 0.5;
+constexpr double kRoomToTurn_m = 0.01;
+constexpr double kGentle_mps = 0.045;
 constexpr double kReckoned_mps = 0.3;
+constexpr double kSamePlace_m = 0.4;
+constexpr int kLooksAgain = 2;
 
 std::string words(const char* format, double number) {
   char text[128];
@@ -55,7 +60,8 @@ void Navigator::begin(Mission mission, std::int64_t goal_id) {
   report_.goal_id = goal_id;
   nothing_wanted_ = 0;
   recoveries_ = 0;
-  view_.reset();
+  looked_again_at_m_.clear();
+  drop_target();
   rest();
 }
 
@@ -77,7 +83,7 @@ void Navigator::cancel(std::int64_t goal_id) {
 
 void Navigator::finish(Phase phase, const std::string& reason) {
   mission_ = Mission::kNone;
-  view_.reset();
+  drop_target();
   rest();
   say(phase, reason);
 }
@@ -111,9 +117,10 @@ void Navigator::step(const Situation& now, const mapping::MapReplica& map,
   if (stepped_ && (now.epoch != now_.epoch || now.utime < now_.utime)) {
     moving_ = {};
     moving_since_ = now.utime;
-    view_.reset();
+    drop_target();
     rest();
   }
+  if (stepped_ && now.epoch == now_.epoch) count_way_behind(now);
   now_ = now;
   if (!stepped_) map_here_by_ = now.utime + kMapComes_us;
   stepped_ = true;
@@ -128,6 +135,16 @@ void Navigator::step(const Situation& now, const mapping::MapReplica& map,
   for (const Blocked& entry : blocked_) blocked.push_back(entry.spot);
   judged_ = model_.refresh(now_.utime, trail_.floor(), blocked);
   reckon();
+}
+
+// The robot does not see what comes up behind it. People keep away from a robot that stands; so
+// what it left by driving forward is free behind it, and no more than that.
+void Navigator::count_way_behind(const Situation& next) {
+  const Eigen::Vector2d step_m = next.in_odom.at_m - now_.in_odom.at_m;
+  const double turned_rad = wrapped_rad(next.in_odom.heading_rad - now_.in_odom.heading_rad);
+  behind_m_ = std::clamp(behind_m_ + step_m.dot(ahead(now_.in_odom.heading_rad)) -
+                             config_.back_off_m * std::abs(turned_rad),
+                         0.0, config_.back_off_m);
 }
 
 void Navigator::forget_place() {
@@ -193,7 +210,13 @@ void Navigator::next() {
   }
 }
 
+void Navigator::drop_target() {
+  view_.reset();
+  looks_again_at_m_.reset();
+}
+
 void Navigator::next_view() {
+  if (looks_again_at_m_ && activity_ == Activity::kFollowing) return mend_way();
   const GroundMap& ground = model_.ground();
   const CostGrid costs = costs_from_here();
   const RouteField routes = all_routes(costs, cell_at(in_map().at_m));
@@ -205,11 +228,41 @@ void Navigator::next_view() {
   }
   view_ = exploration_.choose(ground, routes, in_map());
   looked_ = false;
-  if (!view_) return explored(routes);
+  if (!view_) return look_again(costs, routes) ? void() : explored(routes);
   nothing_wanted_ = 0;
   say(Phase::kExploring, words("looks at %.1f m2 of unknown floor", view_->gain_m2));
   set_out(costs, route_to(routes, cell_at(view_->pose.at_m)),
           {view_->pose.at_m, view_->pose.heading_rad});
+}
+
+// What blocked the way is often gone soon, but guard believes it only when it sees it, and that it
+// does from some way off.
+bool Navigator::look_again(const CostGrid& costs, const RouteField& routes) {
+  std::optional<Viewpoint> best;
+  for (const Blocked& entry : blocked_) {
+    const auto looks = std::count_if(looked_again_at_m_.begin(), looked_again_at_m_.end(),
+                                     [&](const Eigen::Vector2d& at_m) {
+                                       return (at_m - entry.spot.at_m).norm() < kSamePlace_m;
+                                     });
+    if (looks >= kLooksAgain) continue;
+    best = exploration_.see_spot(model_.ground(), routes, in_map(), entry.spot);
+    if (!best) continue;
+    looks_again_at_m_ = entry.spot.at_m;
+    say(report_.phase, "looks again at what blocked the way");
+    set_out(costs, route_to(routes, cell_at(best->pose.at_m)),
+            {best->pose.at_m, best->pose.heading_rad});
+    return true;
+  }
+  return false;
+}
+
+void Navigator::looked_again() {
+  looked_again_at_m_.push_back(*looks_again_at_m_);
+  std::erase_if(blocked_, [&](const Blocked& entry) {
+    return (entry.spot.at_m - *looks_again_at_m_).norm() < kSamePlace_m;
+  });
+  looks_again_at_m_.reset();
+  model_.renew();
 }
 
 void Navigator::explored(const RouteField& routes) {
@@ -219,6 +272,11 @@ void Navigator::explored(const RouteField& routes) {
   const double reach_m2 = static_cast<double>(cells) * kCell_m * kCell_m;
   if (reach_m2 < kEnclosed_m2 && recoveries_ < 2) return recover();
   if (!blocked_.empty()) return say(Phase::kExploring, "waits for a blocked way to come free");
+  if (!now_.map_whole || now_.map_through < now_.utime - kMapBehind_us) {
+    nothing_wanted_ = 0;
+    model_.renew();
+    return say(Phase::kExploring, "waits for the map");
+  }
   if (++nothing_wanted_ < kSureOfNothing || now_.utime < map_here_by_) return;
   std::string reason = "nothing that can be reached is unknown any more";
   const double given_up_m2 = exploration_.given_up_m2();
@@ -233,6 +291,7 @@ void Navigator::next_way() {
   const Cell goal = cell_at(destination_.at_m);
   const auto route = find_route(costs, cell_at(in_map().at_m), goal);
   if (!route && now_.utime < map_here_by_) return;
+  if (!route && look_again(costs, all_routes(costs, cell_at(in_map().at_m)))) return;
   if (!route) return finish(Phase::kRefused, why_not(goal, costs));
   say(Phase::kDriving, "under way");
   set_out(costs, route->cells, destination_);
@@ -310,11 +369,21 @@ void Navigator::mend_way() {
   const CostGrid costs = costs_from_here();
   const auto route = find_route(costs, cell_at(in_map().at_m), cell_at(way_to_.at_m));
   if (route) return set_out(costs, route->cells, way_to_);
-  view_.reset();
+  drop_target();
   rest();
 }
 
 // ---- motion ----
+
+// Where its corners may touch something as it turns on the spot, the robot turns so slowly that
+// this does no harm. Lost, it knows of what stood round it when it was not.
+double Navigator::safe_turn_radps() const {
+  const Eigen::Vector2d at_m =
+      now_.lost && !trail_.floor().empty() ? trail_.floor().back().at_m : in_map().at_m;
+  const bool room =
+      model_.ground().clearance_m(cell_at(at_m)) > robot_.turning_radius_m() + kRoomToTurn_m;
+  return room ? config_.follower.turn_radps : kGentle_mps / robot_.turning_radius_m();
+}
 
 Drive Navigator::drive(Utime now) {
   const std::int64_t age_us = now - now_.utime;
@@ -330,14 +399,16 @@ Drive Navigator::drive(Utime now) {
   Pose2 pose = now_.in_odom;
   pose.at_m += now_.forward_mps * ahead_s * ahead(pose.heading_rad + turned_rad / 2);
   pose.heading_rad = wrapped_rad(pose.heading_rad + turned_rad);
+  const double turn_radps = safe_turn_radps();
   switch (activity_) {
     case Activity::kFollowing:
-      return moving_ = follower_.step(pose, moving_, dt_s, now_.allowed_mps);
+      return moving_ = follower_.step(pose, moving_, dt_s, {now_.allowed_mps, turn_radps});
     case Activity::kTurning:
-      return moving_ = follower_.turn(turns_rad_.back() - turned_rad, moving_, dt_s);
+      return moving_ = follower_.turn(turns_rad_.back() - turned_rad, moving_, dt_s, turn_radps);
     case Activity::kLost:
-      return moving_ = turns_rad_.empty() ? follower_.halt(moving_, dt_s)
-                                          : follower_.turn(turns_rad_.back(), moving_, dt_s);
+      return moving_ = turns_rad_.empty()
+                           ? follower_.halt(moving_, dt_s)
+                           : follower_.turn(turns_rad_.back(), moving_, dt_s, turn_radps);
     case Activity::kBackingOff: {
       const Eigen::Vector2d back_m =
           moved(inverse(moved(now_.T_map_odom, pose)), {way_back_m_.back(), 0}).at_m;

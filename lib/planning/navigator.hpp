@@ -23,8 +23,8 @@ struct NavigatorConfig {
   double stuck_s = 4;
   double refused_s = 2.5;
   double settle_s = 0.8;
-  double blocked_memory_s = 45;
-  double back_off_m = 0.8;
+  double blocked_memory_s = 15;
+  double back_off_m = 0.25;
   double back_off_mps = 0.15;
   TraversabilityConfig ground;
   RouteConfig route;
@@ -42,7 +42,8 @@ struct NavigatorConfig {
     v.number("blocked_memory_s", blocked_memory_s, {1, 3600}, "s",
              "what blocked the way unseen stays in the way for this long");
     v.number("back_off_m", back_off_m, {0, 2}, "m",
-             "how far to back off, along the way it came, where it does not get on");
+             "how far to back off at most, over ground that it has just driven forward on: nearer "
+             "than this nobody comes to the back of a robot");
     v.number("back_off_mps", back_off_mps, {0.02, 0.5}, "m/s", "how fast");
     v.group("ground", ground, "what can be driven on");
     v.group("route", route, "what ways cost");
@@ -64,6 +65,8 @@ struct Situation {
   bool lost = false;       ///< where it is in the map is not known any more
   double allowed_mps = 0;  ///< forward, by guard
   bool latched = false;    ///< stopped by a person
+  Utime map_through = 0;   ///< the map shows what was seen until then
+  bool map_whole = false;  ///< nothing of mapper's map is known to be lacking in ours
 };
 
 struct PlanReport {
@@ -108,6 +111,7 @@ class Navigator {
   // The robot and its ground.
   [[nodiscard]] Pose2 in_map() const;
   void track();
+  void count_way_behind(const Situation& next);
   void forget_place();
   void expire_blocked();
 
@@ -118,6 +122,9 @@ class Navigator {
   void next_view();
   void next_way();
   void explored(const RouteField& routes);
+  [[nodiscard]] bool look_again(const CostGrid& costs, const RouteField& routes);
+  void looked_again();
+  void drop_target();
   void finish(Phase phase, const std::string& reason);
   void say(Phase phase, const std::string& reason);
   void reckon();
@@ -128,6 +135,8 @@ class Navigator {
   void set_out(const CostGrid& costs, const std::vector<Cell>& route, const Destination& to);
   [[nodiscard]] bool way_is_good() const;
   void mend_way();
+
+  [[nodiscard]] double safe_turn_radps() const;
 
   // Activities.
   void rest();
@@ -178,8 +187,10 @@ class Navigator {
 
   std::vector<double> turns_rad_;  ///< to come, the next one last
   double last_heading_rad_ = 0;
+  Utime turned_at_ = 0;  ///< towards what it wants to see; it stands since
   Utime settled_at_ = 0;
   std::vector<Eigen::Vector2d> way_back_m_;  ///< in the map; the next point last
+  double behind_m_ = 0;  ///< driven forward and not yet back: free behind, up to back_off_m
 
   Drive moving_;
   Utime moving_since_ = 0;
@@ -196,6 +207,8 @@ class Navigator {
     Utime until;
   };
   std::vector<Blocked> blocked_;
+  std::optional<Eigen::Vector2d> looks_again_at_m_;  ///< blocked spot that it is on its way to see
+  std::vector<Eigen::Vector2d> looked_again_at_m_;   ///< in this mission
 };
 
 }  // namespace cairn::planning

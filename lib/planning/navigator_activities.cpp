@@ -13,7 +13,8 @@ constexpr double kStep_m = 0.05;
 constexpr double kStep_rad = 0.15;
 constexpr double kPastTrouble_m = 0.9;
 constexpr double kWatch_s = 2.5;
-constexpr int kTriesForGoal = 6;
+constexpr double kMapComes_s = 6;
+constexpr int kTriesForGoal = 4;
 constexpr int kTriesForView = 2;
 constexpr double kAstray_m = 0.35;
 constexpr double kThere_m = 0.15;
@@ -22,6 +23,8 @@ constexpr double kSpot_m = 0.15;
 constexpr double kHereabouts_m = 1.5;
 constexpr double kLookAside_rad = 0.6;
 constexpr double kBehind_m = 0.25;
+constexpr double kWorthBacking_m = 0.1;
+constexpr double kLeftBehind_m = 0.03;  // it takes that long to stop
 constexpr double kSearchForSelf_s = 40;
 constexpr double kCarried_m = 0.15;
 
@@ -64,14 +67,21 @@ void Navigator::begin_settling() {
   rest();
   if (mission_ == Mission::kExplore && !looked_round_ && recoveries_ == 0) looked_round_ = true;
   activity_ = Activity::kSettling;
+  turned_at_ = now_.utime;
   settled_at_ = now_.utime + microseconds(config_.settle_s);
 }
 
+// What a map that came to a stand does not show was not looked at in vain.
 void Navigator::go_on_settling() {
-  if (now_.utime < settled_at_) return;
+  const bool shown = now_.map_through >= turned_at_;
+  if (now_.utime < settled_at_ ||
+      (view_ && !shown && now_.utime < settled_at_ + microseconds(kMapComes_s))) {
+    return;
+  }
   rest();
+  if (looks_again_at_m_) return looked_again();
   const Pose2 here = in_map();
-  looked_ = view_ && (view_->pose.at_m - here.at_m).norm() < kThere_m &&
+  looked_ = shown && view_ && (view_->pose.at_m - here.at_m).norm() < kThere_m &&
             std::abs(wrapped_rad(view_->pose.heading_rad - here.heading_rad)) < kThere_rad;
   if (mission_ == Mission::kGo && (destination_.at_m - here.at_m).norm() < kThere_m)
     finish(Phase::kArrived, "there");
@@ -81,7 +91,7 @@ void Navigator::go_on_settling() {
 
 void Navigator::go_on_following() {
   if (follower_.arrived()) {
-    if (mission_ == Mission::kGo) return finish(Phase::kArrived, "there");
+    if (mission_ == Mission::kGo && !looks_again_at_m_) return finish(Phase::kArrived, "there");
     return begin_settling();
   }
   if (follower_.astray_m() > kAstray_m) return rest();
@@ -113,7 +123,7 @@ void Navigator::recover() {
   recovered_at_m_ = now_.in_odom.at_m;
   if (recoveries_ > (mission_ == Mission::kGo ? kTriesForGoal : kTriesForView))
     return give_up_target();
-  if (recoveries_ % 2 == 0) return take_as_blocked();
+  if (recoveries_ % 2 != 0) return take_as_blocked();
   if (begin_backing_off()) return;
   say(Phase::kRecovering, "does not get on: looks to both sides");
   begin_turns({kLookAside_rad, -2 * kLookAside_rad, kLookAside_rad});
@@ -130,7 +140,7 @@ void Navigator::take_as_blocked() {
   const double before_m = 0.5 * robot_.length_m + radius_m;
   blocked_.push_back({{here.at_m + before_m * ahead(here.heading_rad), radius_m},
                       now_.utime + microseconds(config_.blocked_memory_s)});
-  view_.reset();
+  drop_target();
   model_.renew();
   rest();
 }
@@ -138,7 +148,8 @@ void Navigator::take_as_blocked() {
 // From farther away the cameras see what is in the way.
 bool Navigator::begin_backing_off() {
   rest();
-  way_back_m_ = trail_.way_back_m(config_.back_off_m);
+  if (behind_m_ < kWorthBacking_m) return false;
+  way_back_m_ = trail_.way_back_m(behind_m_ + kBehind_m);
   std::reverse(way_back_m_.begin(), way_back_m_.end());
   if (!aim_back()) return false;
   say(Phase::kRecovering, "does not get on: backs off the way it came, to see");
@@ -160,8 +171,8 @@ bool Navigator::aim_back() {
 }
 
 void Navigator::go_on_backing_off() {
-  if (aim_back() && getting_on()) return;
-  view_.reset();
+  if (behind_m_ > kLeftBehind_m && aim_back() && getting_on()) return;
+  drop_target();
   begin_settling();
   settled_at_ += microseconds(kWatch_s);
 }
@@ -176,7 +187,7 @@ void Navigator::give_up_target() {
   } else {
     looked_round_ = true;
   }
-  view_.reset();
+  drop_target();
   rest();
 }
 
@@ -184,14 +195,11 @@ void Navigator::give_up_target() {
 void Navigator::be_lost() {
   if (activity_ != Activity::kLost) {
     rest();
-    view_.reset();
+    drop_target();
     activity_ = Activity::kLost;
     lost_since_ = now_.utime;
     lost_at_m_ = now_.in_odom.at_m;
-    const auto& floor = trail_.floor();
-    const bool room = !floor.empty() && model_.ground().clearance_m(cell_at(floor.back().at_m)) >
-                                            robot_.turning_radius_m();
-    if (room || now_.allowed_mps > 0) turns_rad_ = {2 * std::numbers::pi};
+    turns_rad_ = {2 * std::numbers::pi};
   }
   const bool carried = (now_.in_odom.at_m - lost_at_m_).norm() > kCarried_m;
   if (carried || now_.utime > lost_since_ + microseconds(kSearchForSelf_s)) turns_rad_.clear();

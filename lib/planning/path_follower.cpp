@@ -11,6 +11,7 @@ constexpr double kSearch_m = 0.8;      // along the path, for the point that is 
 constexpr double kSlowest_mps = 0.06;  // slower, tracks stick
 constexpr double kSlowestTurn_radps = 0.15;
 constexpr double kTurned_rad = 0.2;  // a turn on the spot towards a path ends here
+constexpr double kRefusedTurn_rad = 0.3;
 constexpr double kCurveShare = 0.8;  // of the turn rate that curves may use
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180; }
@@ -75,14 +76,17 @@ Drive PathFollower::halt(const Drive& moving, double dt_s) const {
   return limited({0, 0}, moving, dt_s);
 }
 
-Drive PathFollower::turn(double left_rad, const Drive& moving, double dt_s) const {
+Drive PathFollower::turn(double left_rad, const Drive& moving, double dt_s,
+                         double most_radps) const {
   const double size = std::abs(left_rad);
   const double braking = std::sqrt(config_.turn_acceleration_radps2 * size);
-  const double rate = std::clamp(braking, kSlowestTurn_radps, config_.turn_radps);
-  return limited({0, std::copysign(std::min(rate, robot_.max_turn_radps), left_rad)}, moving, dt_s);
+  const double rate = std::min({std::max(braking, kSlowestTurn_radps), config_.turn_radps,
+                                robot_.max_turn_radps, most_radps});
+  return limited({0, std::copysign(rate, left_rad)}, moving, dt_s);
 }
 
-Drive PathFollower::step(const Pose2& robot, const Drive& moving, double dt_s, double allowed_mps) {
+Drive PathFollower::step(const Pose2& robot, const Drive& moving, double dt_s,
+                         const DriveLimits& allowed) {
   if (!following() || arrived_) return halt(moving, dt_s);
   if (!at_end_) find_nearest(robot.at_m);
   const Eigen::Vector2d to_end = path_.points.back().at_m - robot.at_m;
@@ -100,7 +104,7 @@ Drive PathFollower::step(const Pose2& robot, const Drive& moving, double dt_s, d
       return halt(moving, dt_s);
     }
     turning_ = true;
-    return turn(left_rad, moving, dt_s);
+    return turn(left_rad, moving, dt_s, allowed.turn_radps);
   }
   const double speed_ahead = std::clamp(moving.forward_mps * config_.look_ahead_s,
                                         config_.least_look_ahead_m, config_.most_look_ahead_m);
@@ -109,8 +113,10 @@ Drive PathFollower::step(const Pose2& robot, const Drive& moving, double dt_s, d
   const Eigen::Vector2d way = carrot_m(look_ahead_m) - robot.at_m;
   const double bearing_rad = wrapped_rad(std::atan2(way.y(), way.x()) - robot.heading_rad);
   const double size_rad = std::abs(bearing_rad);
-  turning_ = turning_ ? size_rad > kTurned_rad : size_rad > radians(config_.turn_on_spot_deg);
-  if (turning_) return turn(bearing_rad, moving, dt_s);
+  const double on_spot_rad =
+      allowed.forward_mps > 0 ? radians(config_.turn_on_spot_deg) : kRefusedTurn_rad;
+  turning_ = size_rad > (turning_ ? kTurned_rad : on_spot_rad);
+  if (turning_) return turn(bearing_rad, moving, dt_s, allowed.turn_radps);
   const double curvature = 2 * std::sin(bearing_rad) / std::max(way.norm(), 0.1);
   double speed_mps =
       std::min(path_speed_mps(look_ahead_m),
@@ -119,9 +125,9 @@ Drive PathFollower::step(const Pose2& robot, const Drive& moving, double dt_s, d
     speed_mps = std::min(speed_mps, kCurveShare * robot_.max_turn_radps / std::abs(curvature));
   speed_mps *= std::max(0.3, std::cos(bearing_rad));
   speed_mps = std::max(speed_mps, kSlowest_mps);
-  speed_mps = std::min(speed_mps, allowed_mps);
+  speed_mps = std::min(speed_mps, allowed.forward_mps);
   const Drive drive = limited({speed_mps, 0}, moving, dt_s);
-  const double forward_mps = std::min(drive.forward_mps, allowed_mps);
+  const double forward_mps = std::min(drive.forward_mps, allowed.forward_mps);
   return {forward_mps, limited({0, curvature * forward_mps}, moving, dt_s).turn_radps};
 }
 

@@ -18,7 +18,7 @@ struct FollowerConfig {
   double arrived_m = 0.06;
   double arrived_deg = 5;
   double turn_on_spot_deg = 75;
-  double turn_radps = 0.8;
+  double turn_radps = 1.0;
   double braking_mps2 = 0.4;
   double turn_acceleration_radps2 = 2.5;
 
@@ -56,6 +56,12 @@ struct Drive {
   double turn_radps = 0;
 };
 
+/// What is allowed now.
+struct DriveLimits {
+  double forward_mps = 0;  ///< by guard
+  double turn_radps = 0;   ///< on the spot
+};
+
 /// Follows a path by regulated pure pursuit (Coulter 1992; Macenski et al. 2023): slower in curves,
 /// where there is little room, and towards the end; on the spot where the path leads far to the
 /// side. The look-ahead is no longer than the room allows, so corners are not cut.
@@ -69,12 +75,14 @@ class PathFollower {
   void drop();
   [[nodiscard]] bool following() const { return !path_.points.empty(); }
 
-  /// One control step; `moving` is what was commanded before, dt_s ago.
+  /// One control step; `moving` is what was commanded before, dt_s ago. What may not go forward
+  /// turns to where the path leads.
   [[nodiscard]] Drive step(const Pose2& robot, const Drive& moving, double dt_s,
-                           double allowed_mps);
+                           const DriveLimits& allowed);
 
   /// A step of a turn on the spot by the angle that is left.
-  [[nodiscard]] Drive turn(double left_rad, const Drive& moving, double dt_s) const;
+  [[nodiscard]] Drive turn(double left_rad, const Drive& moving, double dt_s,
+                           double most_radps) const;
   /// Coming to a stand.
   [[nodiscard]] Drive halt(const Drive& moving, double dt_s) const;
 

@@ -56,11 +56,13 @@ class Growth {
         support_{config.support},
         tolerance_m_{config.step_m + columns.layer_m() / 2},
         slope_{std::tan(config.max_slope_deg * std::numbers::pi / 180)},
-        head_m_{robot.height_m + config.headroom_m} {
+        head_m_{robot.height_m + config.headroom_m},
+        track_radius_m_{robot.width_m / 2} {
     const std::size_t size = columns.box().size();
     ground_.box = columns.box();
     ground_.classes.assign(size, ColumnClass::kUnknown);
     ground_.reached.assign(size, 0);
+    ground_.assumed.assign(size, 0);
     ground_.floor_m.assign(size, 0);
     ground_.ceiling_m.assign(size, std::numeric_limits<float>::infinity());
     carried_.assign(size, 0);
@@ -93,11 +95,16 @@ class Growth {
   }
 
   void plant(const KnownFloor& floor) {
+    const bool driven = floor.radius_m <= track_radius_m_ + kRounding;
     for_disc(floor.at_m, floor.radius_m, [&](Cell cell) {
       const std::size_t i = ground_.box.index(cell);
+      if (driven) ground_.assumed[i] = 0;
       if (ground_.reached[i] != 0) return;
       judge(cell, i, floor.height_m);
-      if (ground_.classes[i] == ColumnClass::kUnknown) ground_.classes[i] = ColumnClass::kFree;
+      if (ground_.classes[i] == ColumnClass::kUnknown) {
+        ground_.classes[i] = ColumnClass::kFree;
+        ground_.assumed[i] = driven ? 0 : 1;
+      }
       queue_.push_back(cell);
     });
   }
@@ -225,6 +232,7 @@ class Growth {
   double tolerance_m_;
   double slope_;
   double head_m_;
+  double track_radius_m_;
   GroundMap ground_;
   std::vector<std::uint8_t> carried_;
   std::vector<Cell> queue_;

@@ -38,7 +38,7 @@ enum class ColumnClass : std::uint8_t {
 /// A disc that is floor though no camera saw it: where the robot stood or drove.
 struct KnownFloor {
   Eigen::Vector2d at_m = Eigen::Vector2d::Zero();
-  double radius_m = 0;
+  double radius_m = 0;  ///< over half the robot's width: it was put down there, and not all is sure
   double height_m = 0;
 };
 
@@ -55,6 +55,8 @@ struct GroundMap {
   /// Whether the floor leads there: over floor, and at most kCarry_m over unknown ground. What
   /// lies beyond is unknown.
   std::vector<std::uint8_t> reached;
+  std::vector<std::uint8_t>
+      assumed;                   ///< free though no camera saw it, nor did the robot drive there
   std::vector<float> floor_m;    ///< height of the floor, or what it would be; where reached
   std::vector<float> ceiling_m;  ///< lowest thing over the floor; infinite if there is none
   /// From the middle of a cell to the nearest occupied column's near side, at least.

@@ -141,6 +141,8 @@ planning::Situation PlannerNode::situation(const odometry_t& odometry) const {
       clearance_ && node_.host_time() - clearance_->header.sent_steady_us <= kClearanceHolds_us;
   now.allowed_mps = fresh ? clearance_->max_forward_mps : 0;
   now.latched = latched_;
+  now.map_through = map_.map().utime();
+  now.map_whole = map_.whole();
   return now;
 }
 

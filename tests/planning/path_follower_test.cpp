@@ -68,7 +68,7 @@ Ride follow(const PlannedPath& path, const Pose2& from, double allowed_mps = 10)
   Drive commanded;
   for (; ride.seconds < 120 && !follower.arrived(); ride.seconds += kStep_s) {
     const Drive before = commanded;
-    commanded = follower.step(ride.tracks.pose, commanded, kStep_s, allowed_mps);
+    commanded = follower.step(ride.tracks.pose, commanded, kStep_s, {allowed_mps, 10});
     ride.tracks.drive(commanded, kStep_s);
     ride.farthest_m = std::max(ride.farthest_m, distance_to_path_m(path, ride.tracks.pose.at_m));
     ride.fastest_mps = std::max(ride.fastest_mps, std::abs(commanded.forward_mps));
@@ -133,7 +133,7 @@ TEST(PathFollower, SlowsDownWhereThePathSaysSo) {
   Tracks tracks;
   Drive commanded;
   while (!follower.arrived()) {
-    commanded = follower.step(tracks.pose, commanded, kStep_s, 10);
+    commanded = follower.step(tracks.pose, commanded, kStep_s, {10, 10});
     tracks.drive(commanded, kStep_s);
     if (tracks.pose.at_m.x() > 1.55) {
       ASSERT_LE(commanded.forward_mps, 0.16);

@@ -21,6 +21,7 @@ namespace channels = bus::channels;
 
 constexpr std::int64_t kTick_us = 10'000;
 constexpr std::int64_t kFrame_us = 70'000;
+constexpr std::int64_t kDigest_us = 15 * kFrame_us;
 constexpr std::int64_t kClearance_us = 50'000;
 
 /// planner on a bus with somebody who plays odometry, localizer, mapper, guard and the tracks. The
@@ -57,18 +58,33 @@ class PlannerNodeTest : public ::testing::Test {
     } while (peer_.has_work());
   }
 
-  void send_map() {
+  /// What mapper knows; `all` of it, or every second brick.
+  void send_map(bool all = true) {
     testing::MadeMap made(0.04);
     made.floor(-2, 2, [](double, double) { return 0.0; });
     made.fill({1.2, -2.8, 0}, {1.3, 2.8, 0.5});
-    mapping::MapReplica replica;
-    const auto bricks = made.send(replica);
+    mappers_ = {};
+    const auto bricks = made.send(mappers_);
     mapping::MapDelta delta{5, now_, 0.04, {}};
-    for (const auto& brick : bricks) delta.bricks.push_back(mapping::classes_of(replica, brick));
+    for (std::size_t i = 0; i < bricks.size(); i += all ? 1 : 2)
+      delta.bricks.push_back(mapping::classes_of(mappers_, bricks[i]));
+    send(delta);
+    mapper_runs_ = true;
+  }
+
+  void send(const mapping::MapDelta& delta) {
     const auto messages = messages::to_messages(delta, messages::DeltaKind::kChanges).value();
     for (const map_delta_t& message : messages) {
       peer_.publish<channels::MapDelta>(message, now_);
     }
+  }
+
+  void send_digest() {
+    messages::MapDigest digest{5, 0.04, now_, {}};
+    for (const auto& [tile, state] : mappers_.tile_states())
+      digest.tiles.push_back({tile, state.hash});
+    for (const map_digest_t& page : messages::to_messages(digest, now_))
+      peer_.publish<channels::MapDigest>(page, now_);
   }
 
   void send_frame() {
@@ -100,6 +116,8 @@ class PlannerNodeTest : public ::testing::Test {
       at_.heading_rad = planning::wrapped_rad(at_.heading_rad + moving_.turn_radps * dt_s);
       at_.at_m += moving_.forward_mps * dt_s * planning::ahead(at_.heading_rad);
       if (frames_on_ && now_ % kFrame_us == 0) send_frame();
+      if (mapper_runs_ && now_ % kFrame_us == 0) send({5, now_, 0.04, {}});
+      if (mapper_runs_ && now_ % kDigest_us == 0) send_digest();
       if (now_ % kClearance_us == 0) {
         clearance_t clearance{};
         clearance.max_forward_mps = allowed_mps_;
@@ -143,6 +161,8 @@ class PlannerNodeTest : public ::testing::Test {
   std::int64_t goal_id_ = 0;
   Utime now_ = 1'000'000;
   bool frames_on_ = true;
+  bool mapper_runs_ = false;
+  mapping::MapReplica mappers_;
 };
 
 TEST_F(PlannerNodeTest, WithNothingToDoItSaysSoAndCommandsNothing) {
@@ -282,6 +302,28 @@ TEST_F(PlannerNodeTest, KilledItGoesOnWithItsGoal) {
   run(30);
   EXPECT_EQ(states_.back().state, plan_state_t::STATE_ARRIVED) << states_.back().reason;
   EXPECT_EQ(states_.back().goal_id, 1);
+}
+
+// A planner that was killed knows at first what changed since, and no more than that.
+TEST_F(PlannerNodeTest, ExplorationDoesNotEndOnAPartOfTheMap) {
+  start(true);
+  send_map(false);
+  run(120);
+  EXPECT_EQ(states_.back().state, plan_state_t::STATE_EXPLORING) << states_.back().reason;
+  EXPECT_EQ(states_.back().reason, "waits for the map");
+  send_map();
+  run(60);
+  EXPECT_EQ(states_.back().state, plan_state_t::STATE_ARRIVED) << states_.back().reason;
+}
+
+// Nor is anything given up as looked at in vain that a mapper which is away cannot show.
+TEST_F(PlannerNodeTest, NothingIsGivenUpWhileMapperIsAway) {
+  start(true);
+  send_map();
+  mapper_runs_ = false;
+  run(60);
+  EXPECT_TRUE(planner_->navigator().memory().looks.empty());
+  EXPECT_NE(states_.back().state, plan_state_t::STATE_ARRIVED) << states_.back().reason;
 }
 
 TEST_F(PlannerNodeTest, BadMessagesAreRefusedCountedAndHarmless) {
