@@ -18,13 +18,14 @@ constexpr double kCameNearer_m = 0.05;  // the robot by itself, to what it sees 
 
 std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
 
-std::string at_metres(const char* what, double metres, const char* after) {
+}  // namespace
+
+std::string Clearance::Limit::reason() const {
+  if (!ahead_m) return what;
   char text[64];
-  std::snprintf(text, sizeof text, "%s %.2f m%s", what, metres, after);
+  std::snprintf(text, sizeof text, "%s %.2f m%s", what, *ahead_m, after);
   return text;
 }
-
-}  // namespace
 
 Clearance::Clearance(const ClearanceConfig& config, const RobotConfig& robot)
     : config_{config}, robot_{robot}, view_{config.ground, robot} {}
@@ -62,19 +63,19 @@ Clearance::Limit Clearance::spot_limit(const Eigen::Vector2d& at_body_m, Utime n
   const double ahead_m = at_body_m.x() - robot_.length_m / 2;
   const std::int64_t obstacle_us = microseconds(config_.obstacle_memory_s);
   if (spot.blocked && spot.obstacle_utime >= now - obstacle_us)
-    return {0, at_metres(spot.drop ? "drop at" : "obstacle at", ahead_m, "")};
+    return {0, spot.drop ? "drop at" : "obstacle at", ahead_m};
   const bool missed = spot.missed_utime > spot.floor_utime + microseconds(config_.sight_hole_s);
   if (!missed && spot.floor_utime >= now - microseconds(config_.memory_s))
     return {robot_.max_speed_mps, "free"};
   if (!missed && spot.floor_utime >= now - microseconds(config_.slow_memory_s))
-    return {config_.slow_mps, at_metres("floor seen long ago at", ahead_m, "")};
+    return {config_.slow_mps, "floor seen long ago at", ahead_m};
   if (!missed && at_body_m.x() < config_.ground.view_from_m) {
     const double began_m = config_.ground.view_from_m + kSightDepth_m;
     if (spot.floor_utime != GroundSpot::kNever ||
         (T_start_body * at_body_m - began_at_m_).norm() < began_m)
-      return {config_.creep_mps, at_metres("out of the cameras' sight at", ahead_m, "")};
+      return {config_.creep_mps, "out of the cameras' sight at", ahead_m};
   }
-  return {0, at_metres("nothing seen from", ahead_m, " on")};
+  return {0, "nothing seen from", ahead_m, " on"};
 }
 
 bool Clearance::floor_in_sight(double y_m, const Eigen::Isometry2d& T_start_body) const {
@@ -129,8 +130,7 @@ Clearance::Limit Clearance::sight_limit(const Eigen::Isometry2d& T_start_body) c
   const double half_m = robot_.width_m / 2 + config_.side_margin_m;
   for (double y = -half_m; y <= half_m + kRounding; y += GroundMemory::kSpot_m) {
     if (lane_in_sight(y, T_start_body)) continue;
-    return {
-        0, at_metres("nothing seen from", config_.ground.view_from_m - robot_.length_m / 2, " on")};
+    return {0, "nothing seen from", config_.ground.view_from_m - robot_.length_m / 2, " on"};
   }
   return {robot_.max_speed_mps, "free"};
 }
@@ -165,16 +165,16 @@ Clearance::Limit Clearance::sweep_limit(double speed_mps, double turn_radps, Uti
 Permission Clearance::judge(Utime now, const Eigen::Isometry2d& T_start_body,
                             double turn_radps) const {
   if (!seen_utime_) return {0, "nothing seen yet"};
-  if (const Limit sight = sight_limit(T_start_body); sight.max_mps <= 0) return {0, sight.reason};
-  std::string reason = "free";
+  if (const Limit sight = sight_limit(T_start_body); sight.max_mps <= 0) return {0, sight.reason()};
+  Limit limit{robot_.max_speed_mps, "free"};
   const int steps = static_cast<int>(std::ceil(robot_.max_speed_mps / kSpeedStep_mps));
   for (int step = steps; step > 0; --step) {
     const double speed_mps = std::min(robot_.max_speed_mps, step * kSpeedStep_mps);
-    const Limit limit = sweep_limit(speed_mps, turn_radps, now, T_start_body);
-    if (limit.max_mps >= speed_mps - kRounding) return {speed_mps, reason};
-    reason = limit.reason;
+    const Limit faster = limit;
+    limit = sweep_limit(speed_mps, turn_radps, now, T_start_body);
+    if (limit.max_mps >= speed_mps - kRounding) return {speed_mps, faster.reason()};
   }
-  return {0, reason};
+  return {0, limit.reason()};
 }
 
 }  // namespace cairn::planning

@@ -87,9 +87,13 @@ class Clearance {
   [[nodiscard]] const GroundView& view() const { return view_; }
 
  private:
+  /// Made for every spot of the strip, so it is put into words only when somebody asks.
   struct Limit {
     double max_mps;
-    std::string reason;
+    const char* what;
+    std::optional<double> ahead_m = {};
+    const char* after = "";
+    [[nodiscard]] std::string reason() const;
   };
   [[nodiscard]] Limit spot_limit(const Eigen::Vector2d& at_body_m, Utime now,
                                  const Eigen::Isometry2d& T_start_body) const;
