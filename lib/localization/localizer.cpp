@@ -26,6 +26,13 @@ constexpr double kHeaviestFrom = 0.4;
 constexpr double kDecided = 0.95;
 /// A place fits as well as another with this part of its share.
 constexpr double kAsWell = 0.85;
+/// Nothing is learned from the map while the robot moved less than this, or where odometry cannot
+/// have drifted farther since that part of the map was made.
+constexpr double kStands_m = 0.005;
+constexpr double kStands_rad = 0.005;
+constexpr double kLeastDrift_m = 0.001;
+constexpr double kLeastDrift_rad = 0.0005;
+constexpr double kAllNew_m = 1e3;
 /// Views in a row that must fit before where it was is where it is again.
 constexpr int kFitsAgain_views = 8;
 
@@ -75,6 +82,12 @@ void Localizer::take_motion(const Step& step) {
   belief_ = moved(before, step.motion);
   belief_utime_ = step.utime;
   rival_ = rival_ * step.motion.T_from_to;
+  way_m_ += step.motion.T_from_to.translation().norm();
+  turned_rad_ += rotation_angle_rad(step.motion.T_from_to.linear());
+  // Other parts of the map come into view, with errors of their own.
+  belief_.pose_with_map *=
+      std::exp(-step.motion.T_from_to.translation().norm() / config_.filter.new_view_m -
+               rotation_angle_rad(step.motion.T_from_to.linear()) / config_.filter.new_view_rad);
   // Particles move as odometry is known to mean it.
   Motion meant = step.motion;
   meant.T_from_to = before.T_map_body.inverse() * belief_.T_map_body;
@@ -95,6 +108,8 @@ void Localizer::start_at(const Isometry& T_map_body, double sigma_m, double sigm
   be_at(belief_around(T_map_body, sigma_m, sigma_rad));
   looks_alike_ = false;
   filter_.start_at(belief_);
+  provenance_.start({});
+  way_m_ = kAllNew_m;
   belief_utime_ = chain_.last() ? chain_.last()->utime : 0;
   schedule_.start({belief_utime_, belief_, certainty_});
 }
@@ -112,6 +127,7 @@ void Localizer::resume(const LocalizerMemory& memory) {
   belief_.covariance = memory.covariance;
   certainty_ = memory.certainty;
   forgotten_ = search_ = certainty_ == Certainty::kLost;
+  provenance_.start(belief_);
   belief_utime_ = memory.frame.utime;
   schedule_.start({belief_utime_, belief_, certainty_});
 }
@@ -130,7 +146,7 @@ Localizer::Update Localizer::update(const stereo::DisparityImage& seen,
   const View view = make_view(seen, config_.view, static_cast<std::uint64_t>(config_.seed));
   refresh_field(view);
   const MapView map_view{map, field_, surfaces_};
-  const Refinement refined = refine(map_view, view, belief_, config_.refinement);
+  const Refinement refined = corrected(map_view, view);
   update.fit = refined.after;
   fits_again_ = fits(refined.after, view) ? fits_again_ + 1 : 0;
   if (certainty_ != Certainty::kLost) {
@@ -143,6 +159,22 @@ Localizer::Update Localizer::update(const stereo::DisparityImage& seen,
   judge(view, update.fit);
   update.in_time = schedule_.put({seen.utime, belief_, certainty_});
   return update;
+}
+
+Refinement Localizer::corrected(const MapView& map, const View& view) {
+  const MapAuthority authority = provenance_.look(field_, view, belief_);
+  const Vector6d drift = authority.drift.diagonal();
+  const bool stands = way_m_ < kStands_m && turned_rad_ < kStands_rad;
+  const bool drifted = drift.head<3>().maxCoeff() > kLeastDrift_m * kLeastDrift_m ||
+                       drift.tail<3>().maxCoeff() > kLeastDrift_rad * kLeastDrift_rad;
+  if (stands || !drifted) {
+    Refinement as_it_is;
+    as_it_is.pose = belief_;
+    as_it_is.before = as_it_is.after = fit_of(field_, view, belief_.T_map_body);
+    return as_it_is;
+  }
+  way_m_ = turned_rad_ = 0;
+  return refine(map, view, belief_, authority, config_.refinement);
 }
 
 void Localizer::refresh_field(const View& view) {
@@ -196,7 +228,7 @@ void Localizer::consider_rival(const MapView& map, const View& view, const Fit& 
   }
   PoseBelief there = around(clusters.front().pose.T_map_body);
   there.covariance += clusters.front().pose.covariance;
-  const Refinement refined = refine(map, view, there, config_.refinement);
+  const Refinement refined = refine(map, view, there, {there.covariance, {}}, config_.refinement);
   const bool better = lost || !shown(fit, view) ||
                       share(refined.after) > share(fit) + config_.rival_better ||
                       clusters.front().weight > kDecided;
@@ -206,6 +238,7 @@ void Localizer::consider_rival(const MapView& map, const View& view, const Fit& 
   if (rival_views_ < config_.rival_views) return;
   ++relocalised_;
   be_at(refined.pose);
+  provenance_.start({});
 }
 
 void Localizer::judge(const View& view, const Fit& fit) {

@@ -9,6 +9,7 @@
 #include "core/config.hpp"
 #include "localization/correction_schedule.hpp"
 #include "localization/distance_field.hpp"
+#include "localization/map_provenance.hpp"
 #include "localization/odometry_chain.hpp"
 #include "localization/particle_filter.hpp"
 #include "localization/pose_belief.hpp"
@@ -35,10 +36,10 @@ struct LocalizerConfig {
   int seed = 1;
 
   void visit(ConfigVisitor& v) {
-    v.flag(
-        "correct", correct,
-        "POSE is corrected by the map; false: odometry is passed on, as good visual odometry is "
-        "still better than the corrections (for tracks alone they take nine tenths of the error)");
+    v.flag("correct", correct,
+           "POSE is corrected by the map; false: odometry is passed on, as beside good visual "
+           "odometry "
+           "the corrections may still cost some millimetres");
     v.group("view", view, "which points of a frame are used");
     v.group("motion", motion, "how far odometry is to be trusted");
     v.group("refinement", refinement, "how the pose is fitted to the map");
@@ -121,6 +122,7 @@ class Localizer {
 
   void take_motion(const Step& step);
   void refresh_field(const View& view);
+  [[nodiscard]] Refinement corrected(const MapView& map, const View& view);
   /// Whether the map says anything about a view from there; how much of what stands it bears out;
   /// whether that is enough.
   [[nodiscard]] static bool shown(const Fit& fit, const View& view);
@@ -143,6 +145,9 @@ class Localizer {
   ParticleFilter filter_;
   DistanceField field_;
   Surfaces surfaces_;
+  MapProvenance provenance_;
+  double way_m_ = 0;  ///< since the map was last learned from
+  double turned_rad_ = 0;
   Certainty certainty_ = Certainty::kTracking;
   bool search_ = false;     ///< all over the map, as soon as it shows free space
   bool forgotten_ = false;  ///< the belief is of no account

@@ -76,6 +76,7 @@ PoseBelief moved(const PoseBelief& belief, const Motion& motion) {
   joint.topLeftCorner<6, 6>() += into_map * motion.covariance * into_map.transpose();
   loosen_bias(joint.bottomRightCorner<4, 4>(), said, motion.claimed);
   after.covariance = joint.topLeftCorner<6, 6>();
+  after.pose_with_map = carry.topLeftCorner<6, 6>() * belief.pose_with_map;
   after.bias_with_pose = joint.bottomLeftCorner<4, 6>();
   after.bias_covariance = joint.bottomRightCorner<4, 4>();
   return after;

@@ -20,6 +20,9 @@ struct PoseBelief {
   MotionBias bias = MotionBias::Zero();
   Eigen::Matrix4d bias_covariance = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 6> bias_with_pose = Eigen::Matrix<double, 4, 6>::Zero();
+  /// Covariance of the pose's error (rows) with that of the map in view, which is the same from
+  /// frame to frame and is not estimated (Schmidt 1966).
+  Matrix6d pose_with_map = Matrix6d::Zero();
 
   /// The largest standard deviation along an axis, and about one.
   [[nodiscard]] double sigma_m() const;

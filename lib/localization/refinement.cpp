@@ -23,6 +23,8 @@ constexpr double kSettled_m = 2e-4;
 constexpr double kHit_cells = 1.25;
 /// What is this much over the floor stands on it.
 constexpr double kStanding_m = 0.15;
+/// Beams that count less than this are left out.
+constexpr double kLeastCounts = 0.02;
 constexpr double kBetter = 1e-3;  // of the cost: less is no improvement
 
 /// How far behind a surface the middle of its voxels lies, as one sees it: rays that graze it eat
@@ -54,7 +56,7 @@ struct Residual {
 
 struct Equations {
   std::vector<Residual> residuals;
-  int points = 0;
+  double points = 0;
 };
 
 /// Where the surface nearest to a point lies, by the field alone; nothing where that is beyond
@@ -81,12 +83,15 @@ std::optional<Eigen::Vector3d> onto_surface(const Eigen::Vector3d& point_m,
   return field.centre_of(cell) - uphill * (cells_away * field.cell_m() / uphill.norm());
 }
 
-Equations equations(const MapView& map, const View& view, const Isometry& T, double recession_m,
-                    double softness_m, double reach_m) {
+Equations equations(const MapView& map, const View& view, const MapAuthority& authority,
+                    const Isometry& T, double recession_m, double softness_m, double reach_m) {
   Equations sum;
   sum.residuals.reserve(view.beams.size());
   DistanceField::Cursor cells{map.field};
-  for (const Beam& beam : view.beams) {
+  for (std::size_t k = 0; k < view.beams.size(); ++k) {
+    const Beam& beam = view.beams[k];
+    const double counts = authority.shares.empty() ? 1 : authority.shares[k];
+    if (counts < kLeastCounts) continue;
     const Eigen::Vector3d arm = T.linear() * beam.point_m;
     const Eigen::Vector3d point = arm + T.translation();
     const auto foot = onto_surface(point, map.field, cells, reach_m);
@@ -108,12 +113,12 @@ Equations equations(const MapView& map, const View& view, const Isometry& T, dou
       residual.J << across, arm.cross(across) / kLever_m, side;
       residual.arm_m = arm.norm();
       residual.off_m = off;
-      residual.weight = share * share / softened;
-      residual.information = share * share / variance;
+      residual.weight = counts * share * share / softened;
+      residual.information = counts * share * share / variance;
       sum.residuals.push_back(residual);
       used = true;
     }
-    sum.points += used ? 1 : 0;
+    sum.points += used ? counts : 0;
   }
   return sum;
 }
@@ -160,11 +165,9 @@ Measured measured(const Equations& now, double recession_m, double voxel_m,
     const double coupled = solver.eigenvalues()[i] / direction.dot(uncoupled * direction);
     const double trusted = facing * std::clamp(coupled, 0.0, 1.0);
     if (!(trusted > least)) continue;
-    const double shared_m = std::hypot(config.map_sigma_m * std::sqrt(1 - turning),
-                                       config.map_sigma_rad * kLever_m * std::sqrt(turning));
     result.along.col(result.directions) = direction;
     result.step_m[result.directions] = -direction.dot(g_pose) / solver.eigenvalues()[i];
-    result.variance[result.directions] = kShared * kShared / trusted + shared_m * shared_m;
+    result.variance[result.directions] = kShared * kShared / trusted;
     all += direction * result.step_m[result.directions];
     ++result.directions;
   }
@@ -206,20 +209,31 @@ Fit fit_of(const DistanceField& field, const View& view, const Isometry& T_map_b
 }
 
 Refinement refine(const MapView& map, const View& view, const PoseBelief& known,
-                  const RefinementConfig& config) {
+                  const MapAuthority& authority, const RefinementConfig& config) {
   Refinement result;
   result.pose = known;
   result.before = result.after = fit_of(map.field, view, known.T_map_body);
   const Vector6d lever = levers();
   const Matrix6d P = lever.asDiagonal() * known.covariance * lever.asDiagonal();
+  // What the view can tell, and what it cannot.
+  const Matrix6d drift = lever.asDiagonal() * authority.drift * lever.asDiagonal();
+  // Nothing is known of the map more finely than its voxels.
   const double voxel_m = map.map.resolution_m();
+  Vector6d map_sigma_m;
+  map_sigma_m << Eigen::Vector3d::Constant(std::max(config.map_sigma_m, voxel_m)),
+      Eigen::Vector3d::Constant(std::max(config.map_sigma_rad * kLever_m, voxel_m));
+  const Matrix6d map_error = map_sigma_m.cwiseAbs2().asDiagonal();
+  const Matrix6d with_map = lever.asDiagonal() * known.pose_with_map * lever.asDiagonal();
+  const Matrix6d with_seen = drift + with_map;  // of the pose's error, with what is measured
+  const Matrix6d of_seen = drift + with_map + with_map.transpose() + map_error;
   double recession_m = kRecession_voxels * voxel_m;
-  double softness_m = std::min(config.reach_m / 2, 2 * std::sqrt(P.diagonal().maxCoeff()) + 0.02);
+  double softness_m =
+      std::min(config.reach_m / 2, 2 * std::sqrt(drift.diagonal().maxCoeff()) + 0.02);
   PoseBelief pose = known;
   for (int i = 0; i < config.iterations; ++i) {
     const Equations now =
-        equations(map, view, pose.T_map_body, recession_m, softness_m, config.reach_m);
-    result.points = now.points;
+        equations(map, view, authority, pose.T_map_body, recession_m, softness_m, config.reach_m);
+    result.points = static_cast<int>(now.points);
     if (now.points < config.min_points) return result;
     const Measured seen = measured(now, recession_m, voxel_m, config);
     result.directions = seen.directions;
@@ -229,13 +243,14 @@ Refinement refine(const MapView& map, const View& view, const PoseBelief& known,
     const Eigen::MatrixXd H = seen.along.leftCols(seen.directions).transpose();
     const Eigen::VectorXd innovation = seen.step_m.head(seen.directions) + H * so_far;
     const Eigen::MatrixXd R = seen.variance.head(seen.directions).asDiagonal();
-    const Eigen::MatrixXd gain = (H * P * H.transpose() + R).ldlt().solve(H * P).transpose();
+    const Eigen::MatrixXd S = H * of_seen * H.transpose() + R;
+    const Eigen::MatrixXd gain = S.ldlt().solve(H * with_seen.transpose()).transpose();
     const Vector6d change = gain * innovation;
     const Isometry T_map_body = changed_by(known.T_map_body, change.cwiseQuotient(lever));
-    const Matrix6d kept = Matrix6d::Identity() - gain * H;
-    const Matrix6d after = kept * P * kept.transpose() + gain * R * gain.transpose();
-    pose = with_pose(known, T_map_body,
-                     lever.cwiseInverse().asDiagonal() * after * lever.cwiseInverse().asDiagonal());
+    const Matrix6d after = P - gain * S * gain.transpose();
+    const auto unlevered = lever.cwiseInverse().asDiagonal();
+    pose = with_pose(known, T_map_body, unlevered * after * unlevered);
+    pose.pose_with_map = unlevered * (with_map - gain * H * (with_map + map_error)) * unlevered;
     recession_m += seen.recession_step_m;
     const bool tight = softness_m <= kLeastSoftness_m;
     if (tight && (change - so_far).norm() < kSettled_m) break;

@@ -4,6 +4,7 @@
 #include "core/config.hpp"
 #include "core/geometry.hpp"
 #include "localization/distance_field.hpp"
+#include "localization/map_provenance.hpp"
 #include "localization/pose_belief.hpp"
 #include "localization/pose_change.hpp"
 #include "localization/surface.hpp"
@@ -53,8 +54,9 @@ struct RefinementConfig {
     v.number("observed_sigma_m", observed_sigma_m, {0.001, 1}, "m",
              "directions that the points, if each erred alone, would determine worse than this are "
              "left alone");
-    v.number("map_sigma_m", map_sigma_m, {0.001, 1}, "m",
-             "how far the map may be off, the same from frame to frame (one sigma)");
+    v.number(
+        "map_sigma_m", map_sigma_m, {0.001, 1}, "m",
+        "how far the map may be off, the same from frame to frame (one sigma), if not a voxel");
     v.number("map_sigma_rad", map_sigma_rad, {0.0005, 0.5}, "rad", "likewise turned");
   }
 };
@@ -69,8 +71,11 @@ struct RefinementConfig {
 /// say, are left to what was known: a direction counts as determined by the points whose surfaces
 /// face it, not by what the others' rough normals seem to say (localizability: Tuna et al. 2022,
 /// X-ICP). What is determined is yet off by what the map is, frame after frame the same.
+///
+/// `authority` is what the map there can say. That the map is off the same way from frame to frame
+/// is considered and not estimated (Schmidt 1966): seen again it is no news.
 [[nodiscard]] Refinement refine(const MapView& map, const View& view, const PoseBelief& known,
-                                const RefinementConfig& config);
+                                const MapAuthority& authority, const RefinementConfig& config);
 
 /// How well the view fits from there.
 [[nodiscard]] Fit fit_of(const DistanceField& field, const View& view, const Isometry& T_map_body);

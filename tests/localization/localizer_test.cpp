@@ -51,6 +51,8 @@ TEST(Localizer, TakesAwaySeventyPercentOfASlippingTracksErrorInAMapOfItsOwn) {
   EXPECT_GT(DriveResult::rms_m(result.odometry, result.truth), 0.8);
   EXPECT_LT(DriveResult::rms_m(result.poses, result.truth),
             0.3 * DriveResult::rms_m(result.odometry, result.truth));
+  EXPECT_LT(DriveResult::end_m(result.poses, result.truth),
+            0.3 * DriveResult::end_m(result.odometry, result.truth));
 }
 
 TEST(Localizer, TakesOutTheDriftOfGoodOdometryWhereItHasBeenBefore) {
