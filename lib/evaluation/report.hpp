@@ -35,7 +35,7 @@ struct TrajectoryReport {
   std::optional<double> end_yaw_error_rad;
 };
 
-/// Definitions: map_score.hpp; after the trajectory's least-squares alignment.
+/// Definitions: map_score.hpp; after align_maps of the trajectory.
 struct MapReport {
   std::optional<double> resolution_m;
   std::optional<double> tolerance_m;

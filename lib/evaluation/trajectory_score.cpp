@@ -116,8 +116,22 @@ Isometry align(std::span<const PosePair> pairs, Alignment alignment) {
 }
 
 Isometry align_maps(std::span<const PosePair> pairs) {
-  return align(pairs, true_length_m(pairs) >= kShortestWay_m ? Alignment::kLeastSquares
-                                                             : Alignment::kFirstPose);
+  Eigen::Vector3d truth_mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d estimate_mean = Eigen::Vector3d::Zero();
+  for (const PosePair& pair : pairs) {
+    truth_mean += pair.truth.translation() / static_cast<double>(pairs.size());
+    estimate_mean += pair.estimate.translation() / static_cast<double>(pairs.size());
+  }
+  Eigen::Matrix3d both = Eigen::Matrix3d::Zero();
+  for (const PosePair& pair : pairs) {
+    both += (pair.truth.translation() - truth_mean) *
+                (pair.estimate.translation() - estimate_mean).transpose() +
+            kMapLever_m * kMapLever_m * pair.truth.linear() * pair.estimate.linear().transpose();
+  }
+  Isometry T = Isometry::Identity();
+  T.linear() = nearest_rotation(both);
+  T.translation() = truth_mean - T.linear() * estimate_mean;
+  return T;
 }
 
 ErrorStatistics statistics(std::vector<double> errors) {

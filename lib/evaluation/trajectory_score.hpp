@@ -41,8 +41,13 @@ enum class Alignment {
 /// A shorter way says nothing of a rotation, nor of a share of it.
 inline constexpr double kShortestWay_m = 1;
 
-/// T_truth_estimate to lay maps over each other by: least squares, but of a way shorter than
-/// kShortestWay_m at the first pair.
+/// What a map shows lies about so far from the robot: a turn is weighed as what it moves there.
+inline constexpr double kMapLever_m = 1;
+
+/// T_truth_estimate (of at least one pair) to lay maps over each other by: least squares over whole
+/// poses, positions and, kMapLever_m along each axis from them, what the orientations say.
+/// Positions alone would let a map tilt about a way that is almost straight, by the noise of its
+/// width. (Umeyama 1991, eq. 40-43 with c = 1, for these points.)
 [[nodiscard]] Isometry align_maps(std::span<const PosePair> pairs);
 
 struct ErrorStatistics {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localization/map_provenance.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <utility>
+
+#include "localization/covariance.hpp"
 
 namespace cairn::localization {
 namespace {
@@ -14,8 +15,6 @@ constexpr int kPlaceShift = 2;
 constexpr double kFound_cells = 1.25;
 /// Poses nearer to each other than this share an origin.
 constexpr double kNewOrigin_m = 0.1;
-/// Rotations are weighed against translations as what they move at this distance [m].
-constexpr double kLever_m = 2;
 
 mapping::VoxelIndex place_of(CellIndex cell) {
   return {cell.x >> kPlaceShift, cell.y >> kPlaceShift, cell.z >> kPlaceShift};
@@ -34,17 +33,6 @@ Matrix6d carried(const Matrix6d& covariance, const Eigen::Vector3d& from_m,
 double size_m2(const Matrix6d& covariance) {
   return covariance.diagonal().head<3>().sum() +
          kLever_m * kLever_m * covariance.diagonal().tail<3>().sum();
-}
-
-/// The nearest covariance: what two estimates of the same pose differ by may come out negative.
-Matrix6d positive(const Matrix6d& difference) {
-  Vector6d lever;
-  lever << 1, 1, 1, kLever_m, kLever_m, kLever_m;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(lever.asDiagonal() * difference *
-                                                       lever.asDiagonal());
-  const Matrix6d levered = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() *
-                           solver.eigenvectors().transpose();
-  return lever.cwiseInverse().asDiagonal() * levered * lever.cwiseInverse().asDiagonal();
 }
 
 }  // namespace
@@ -115,7 +103,7 @@ MapAuthority MapProvenance::look(const DistanceField& field, const View& view,
     sum += authority.shares[i] * drifts[which[i]];
     shares += authority.shares[i];
   }
-  authority.drift = positive(sum / shares);
+  authority.drift = nearest_covariance(sum / shares, 0);
   return authority;
 }
 

@@ -8,11 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "localization/covariance.hpp"
+
 namespace cairn::localization {
 namespace {
 
-/// Rotations are weighed against translations as what they move at this distance [m].
-constexpr double kLever_m = 2;
+/// No view makes a pose surer than this along any direction.
+constexpr double kLeastVariance_m2 = 1e-8;
 /// Residuals of this many deviations count a quarter in a step (Geman and McClure).
 constexpr double kKernel = 2;
 /// The kernel's extra width halves from step to step, down to this.
@@ -175,13 +177,6 @@ Measured measured(const Equations& now, double recession_m, double voxel_m,
   return result;
 }
 
-/// Between a change in metres at kLever_m and one in radians.
-Vector6d levers() {
-  Vector6d lever;
-  lever << 1, 1, 1, kLever_m, kLever_m, kLever_m;
-  return lever;
-}
-
 }  // namespace
 
 Fit fit_of(const DistanceField& field, const View& view, const Isometry& T_map_body) {
@@ -249,7 +244,10 @@ Refinement refine(const MapView& map, const View& view, const PoseBelief& known,
     const Isometry T_map_body = changed_by(known.T_map_body, change.cwiseQuotient(lever));
     const Matrix6d after = P - gain * S * gain.transpose();
     const auto unlevered = lever.cwiseInverse().asDiagonal();
-    pose = with_pose(known, T_map_body, unlevered * after * unlevered);
+    // What the pose and the map share is known only roughly, so the difference may be no
+    // covariance.
+    pose = with_pose(known, T_map_body,
+                     nearest_covariance(unlevered * after * unlevered, kLeastVariance_m2));
     pose.pose_with_map = unlevered * (with_map - gain * H * (with_map + map_error)) * unlevered;
     recession_m += seen.recession_step_m;
     const bool tight = softness_m <= kLeastSoftness_m;

@@ -21,7 +21,7 @@ struct ClearanceConfig {
   double front_margin_m = 0.10;
   double reaction_s = 0.35;
   double creep_mps = 0.1;
-  double memory_s = 3;
+  double memory_s = 2;
   double slow_memory_s = 30;
   double slow_mps = 0.3;
   double obstacle_memory_s = 30;

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
-#include "bus/in_process_bus.hpp"
 #include "messages/disparity_messages.hpp"
 #include "messages/geometry_messages.hpp"
+#include "node_bench.hpp"
 #include "stereo/depth_to_disparity.hpp"
 
 namespace cairn {
@@ -43,7 +43,7 @@ stereo::DisparityImage free_floor(Utime utime) {
 }
 
 /// guard on a bus with somebody who plays clock, stereo, motor and listens.
-class GuardNodeTest : public ::testing::Test {
+class GuardNodeTest : public testing::NodeBench {
  protected:
   GuardNodeTest() {
     peer_.on<channels::Clearance>([this](const clearance_t& heard) { heard_.push_back(heard); });
@@ -53,20 +53,8 @@ class GuardNodeTest : public ::testing::Test {
 
   void start_guard() {
     guard_.reset();
-    node_ = std::make_unique<bus::Node>("guard", hub_.make_endpoint(), clock_, StateFolder{},
-                                        ++session_);
+    start_node("guard");
     guard_ = std::move(GuardNode::create({}, *node_).value());
-  }
-
-  void spin() {
-    hub_.deliver();
-    do {
-      node_->spin_once(0);
-    } while (node_->has_work());
-    hub_.deliver();
-    do {
-      peer_.spin_once(0);
-    } while (peer_.has_work());
   }
 
   /// Data time and host time go on by `seconds`; what is switched on is sent at its rate.
@@ -74,9 +62,7 @@ class GuardNodeTest : public ::testing::Test {
     for (const Utime until = now_ + static_cast<Utime>(1e6 * seconds); now_ < until;) {
       now_ += kTick_us;
       clock_.set(now_);
-      cairn::clock_t tick{};
-      tick.rate = 1;
-      peer_.publish<channels::Clock>(tick, now_);
+      send_clock(now_);
       if (wheels_on_ && now_ % kWheels_us == 0) send_wheels();
       if (eyes_on_ && now_ % kFrame_us == 0)
         peer_.publish<channels::Disparity>(messages::to_message(free_floor(now_), 1).value(), now_);
@@ -102,12 +88,6 @@ class GuardNodeTest : public ::testing::Test {
     ASSERT_EQ(heard_.back().max_forward_mps, 0.5) << heard_.back().reason;
   }
 
-  bus::ManualClock clock_;
-  bus::InProcessHub hub_;
-  bus::Bus& peer_bus_ = hub_.make_endpoint();
-  bus::Node peer_{"peer", peer_bus_, clock_, StateFolder{}, 1000};
-  std::int64_t session_ = 0;
-  std::unique_ptr<bus::Node> node_;
   std::unique_ptr<GuardNode> guard_;
   std::vector<clearance_t> heard_;
   Utime now_ = 1'000'000;

@@ -8,10 +8,10 @@
 #include <memory>
 #include <vector>
 
-#include "bus/in_process_bus.hpp"
 #include "made_ground.hpp"
 #include "messages/geometry_messages.hpp"
 #include "messages/map_messages.hpp"
+#include "node_bench.hpp"
 #include "temporary_folder.hpp"
 
 namespace cairn {
@@ -26,7 +26,7 @@ constexpr std::int64_t kClearance_us = 50'000;
 
 /// planner on a bus with somebody who plays odometry, localizer, mapper, guard and the tracks. The
 /// map is a floor of 4 x 4 m with a wall at x = 1.2 m.
-class PlannerNodeTest : public ::testing::Test {
+class PlannerNodeTest : public testing::NodeBench {
  protected:
   PlannerNodeTest() {
     peer_.on<channels::DriveCommand>([this](const drive_command_t& heard) {
@@ -42,20 +42,8 @@ class PlannerNodeTest : public ::testing::Test {
     planner_.reset();
     PlannerConfig config;
     config.explore_at_start = explore;
-    node_ = std::make_unique<bus::Node>("planner", hub_.make_endpoint(), clock_, std::move(state),
-                                        ++session_);
+    start_node("planner", std::move(state));
     planner_ = std::move(PlannerNode::create(config, *node_).value());
-  }
-
-  void spin() {
-    hub_.deliver();
-    do {
-      node_->spin_once(0);
-    } while (node_->has_work());
-    hub_.deliver();
-    do {
-      peer_.spin_once(0);
-    } while (peer_.has_work());
   }
 
   /// What mapper knows; `all` of it, or every second brick.
@@ -109,9 +97,7 @@ class PlannerNodeTest : public ::testing::Test {
     for (const Utime until = now_ + static_cast<Utime>(1e6 * seconds); now_ < until;) {
       now_ += kTick_us;
       clock_.set(now_);
-      cairn::clock_t tick{};
-      tick.rate = 1;
-      peer_.publish<channels::Clock>(tick, now_);
+      send_clock(now_);
       const double dt_s = to_seconds(kTick_us);
       at_.heading_rad = planning::wrapped_rad(at_.heading_rad + moving_.turn_radps * dt_s);
       at_.at_m += moving_.forward_mps * dt_s * planning::ahead(at_.heading_rad);
@@ -143,12 +129,6 @@ class PlannerNodeTest : public ::testing::Test {
 
   [[nodiscard]] bool moves() const { return moving_.forward_mps != 0 || moving_.turn_radps != 0; }
 
-  bus::ManualClock clock_;
-  bus::InProcessHub hub_;
-  bus::Bus& peer_bus_ = hub_.make_endpoint();
-  bus::Node peer_{"peer", peer_bus_, clock_, StateFolder{}, 1000};
-  std::int64_t session_ = 0;
-  std::unique_ptr<bus::Node> node_;
   std::unique_ptr<PlannerNode> planner_;
   std::vector<drive_command_t> commands_;
   std::vector<plan_state_t> states_;

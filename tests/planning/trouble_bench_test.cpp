@@ -115,7 +115,7 @@ TEST(TroubleBench, AMapThatShiftsUnderTheOdometryIsFollowed) {
   bench.navigator().explore(0);
   bench.run(150);
   EXPECT_EQ(bench.navigator().report().phase, Phase::kArrived) << bench.story();
-  EXPECT_GE(bench.coverage(), 0.95);
+  EXPECT_GE(bench.coverage(), 0.95) << bench.story();
   EXPECT_EQ(bench.collisions(), 0);
 }
 
