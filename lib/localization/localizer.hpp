@@ -38,8 +38,7 @@ struct LocalizerConfig {
   void visit(ConfigVisitor& v) {
     v.flag("correct", correct,
            "POSE is corrected by the map; false: odometry is passed on, as beside good visual "
-           "odometry "
-           "the corrections may still cost some millimetres");
+           "odometry the corrections may still cost some millimetres");
     v.group("view", view, "which points of a frame are used");
     v.group("motion", motion, "how far odometry is to be trusted");
     v.group("refinement", refinement, "how the pose is fitted to the map");

@@ -45,7 +45,7 @@ class MapProvenance {
   /// The state of a place, a cube of some cells of the field.
   static constexpr Origin kNeverLooked = 0;
   static constexpr Origin kNothingThere = 1;
-  static constexpr Origin kFirst = 2;  ///< index of origins_[0]
+  static constexpr Origin kFirst = 2;  ///< and on: index of made_, plus this
   struct Places {
     Origin origin[mapping::kBrickVoxels] = {};
   };

@@ -228,7 +228,10 @@ void Navigator::next_view() {
   }
   view_ = exploration_.choose(ground, routes, in_map());
   looked_ = false;
-  if (!view_) return look_again(costs, routes) ? void() : explored(routes);
+  if (!view_) {
+    if (!look_again(costs, routes)) explored(routes);
+    return;
+  }
   nothing_wanted_ = 0;
   say(Phase::kExploring, words("looks at %.1f m2 of unknown floor", view_->gain_m2));
   set_out(costs, route_to(routes, cell_at(view_->pose.at_m)),
@@ -238,14 +241,13 @@ void Navigator::next_view() {
 // What blocked the way is often gone soon, but guard believes it only when it sees it, and that it
 // does from some way off.
 bool Navigator::look_again(const CostGrid& costs, const RouteField& routes) {
-  std::optional<Viewpoint> best;
   for (const Blocked& entry : blocked_) {
     const auto looks = std::count_if(looked_again_at_m_.begin(), looked_again_at_m_.end(),
                                      [&](const Eigen::Vector2d& at_m) {
                                        return (at_m - entry.spot.at_m).norm() < kSamePlace_m;
                                      });
     if (looks >= kLooksAgain) continue;
-    best = exploration_.see_spot(model_.ground(), routes, in_map(), entry.spot);
+    const auto best = exploration_.see_spot(model_.ground(), routes, in_map(), entry.spot);
     if (!best) continue;
     looks_again_at_m_ = entry.spot.at_m;
     say(report_.phase, "looks again at what blocked the way");

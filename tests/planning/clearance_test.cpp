@@ -97,7 +97,7 @@ TEST(Clearance, AWallTooNearForStereoAllowsNothing) {
 
 TEST(Clearance, WhatWasSeenFadesAfterItsTime) {
   Approach robot(floor_and({}));
-  robot.now += 4 * kMicrosecondsPerSecond;
+  robot.now += 3 * kMicrosecondsPerSecond;
   EXPECT_NEAR(robot.judge().max_forward_mps, planning::ClearanceConfig{}.slow_mps, 1e-9);
   robot.now += 30 * kMicrosecondsPerSecond;
   EXPECT_LE(robot.judge().max_forward_mps, planning::ClearanceConfig{}.creep_mps);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Explores a world many times, each with another seed, and prints a line for each.
 //   exploration_bench WORLD.yaml|random FIRST_SEED LAST_SEED [PEOPLE [LIMIT_S [RESOLUTION_M]]]
-// With "random" every seed is another place. Set STORY=1 to read what the robot said.
+// With "random" every seed is another place. Set STORY=1 to read what the robot said,
+// UNSEEN=1 where floor was left unseen.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -29,7 +29,8 @@ TEST(ExplorerBench, ExploresTheFurnishedRoom) {
   EXPECT_LE(bench.time_s(), 100) << bench.story();
 }
 
-// Takes minutes of processor time. Run it with --gtest_also_run_disabled_tests.
+// Not seen to hold yet, and takes minutes of processor time. Run it with
+// --gtest_also_run_disabled_tests.
 TEST(ExplorerBench, DISABLED_ExploresTheApartment) {
   ExplorerBench bench(world_of("apartment.yaml"), {});
   bench.navigator().explore(0);

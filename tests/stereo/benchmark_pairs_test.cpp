@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "data_folder.hpp"
@@ -112,13 +113,16 @@ Score opencv_3way(const Scene& scene, int count) {
   return score_of(scene, [&](int row, int col) { return raw(row, col) / 16.0; });
 }
 
+/// Pairs with truth, and how many disparities are searched in each.
+constexpr std::array<std::pair<const char*, int>, 6> kPairs{{{"tsukuba", 16},
+                                                             {"venus", 32},
+                                                             {"teddy", 64},
+                                                             {"cones", 64},
+                                                             {"motorcycle", 64},
+                                                             {"adirondack", 64}}};
+
 TEST(BenchmarkPairs, ThreeWayIsAsGoodAsOpenCvsOwnAndDenser) {
-  for (const auto& [name, count] : {std::pair{"tsukuba", 16},
-                                    {"venus", 32},
-                                    {"teddy", 64},
-                                    {"cones", 64},
-                                    {"motorcycle", 64},
-                                    {"adirondack", 64}}) {
+  for (const auto& [name, count] : kPairs) {
     const auto scene = load_scene(name);
     if (!scene) GTEST_SKIP() << "the real stereo pairs are not here; set CAIRN_DATA";
     SCOPED_TRACE(name);
@@ -152,12 +156,7 @@ struct MeanScore {
 TEST(BenchmarkPairs, SgmIsWrongLessOftenThanThreeWayInTheMean) {
   MeanScore sgm;
   MeanScore three_way;
-  for (const auto& [name, count] : {std::pair{"tsukuba", 16},
-                                    {"venus", 32},
-                                    {"teddy", 64},
-                                    {"cones", 64},
-                                    {"motorcycle", 64},
-                                    {"adirondack", 64}}) {
+  for (const auto& [name, count] : kPairs) {
     const auto scene = load_scene(name);
     if (!scene) GTEST_SKIP() << "the real stereo pairs are not here; set CAIRN_DATA";
     const Score ours = score_of_image(*scene, full_size_match(*scene, "sgm", count));
