@@ -35,7 +35,7 @@ struct GroupPlan {
 /// if it is missing; nothing else of it is touched.
 [[nodiscard]] Result<void> write_group(const GroupConfig& group, const std::filesystem::path& run);
 
-/// logs/run-DATE-XXXX: new, whoever else makes one at the same moment.
+/// logs/run-DATE-XXXXXX: new, whoever else makes one at the same moment.
 [[nodiscard]] Result<std::filesystem::path> make_run_folder();
 
 }  // namespace cairn::cli
